@@ -1,0 +1,234 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""The one place for world <-> cell arithmetic.
+
+Arrays are indexed [row, column]; rows grow with y and columns with x, so that a
+C-contiguous array flattened is the data of a ``nav_msgs/OccupancyGrid``.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+__all__ = ["MAX_CELLS", "GridGeometry", "Window"]
+
+#: Largest grid that is accepted [cells]: bounds every allocation that a request can cause.
+MAX_CELLS = 64_000_000
+
+
+@dataclass(frozen=True)
+class Window:
+    """A rectangle of cells, half open: rows [row0, row1), columns [col0, col1)."""
+
+    row0: int
+    row1: int
+    col0: int
+    col1: int
+
+    @property
+    def slices(self) -> tuple[slice, slice]:
+        """Index of the window in an array of the whole grid."""
+        return slice(self.row0, self.row1), slice(self.col0, self.col1)
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Number of (rows, columns)."""
+        return self.row1 - self.row0, self.col1 - self.col0
+
+    @property
+    def empty(self) -> bool:
+        """Whether the window holds no cell."""
+        return self.row1 <= self.row0 or self.col1 <= self.col0
+
+    def union(self, other: Window) -> Window:
+        """Return the smallest window that holds both."""
+        if self.empty:
+            return other
+        if other.empty:
+            return self
+        return Window(
+            min(self.row0, other.row0),
+            max(self.row1, other.row1),
+            min(self.col0, other.col0),
+            max(self.col1, other.col1),
+        )
+
+
+@dataclass(frozen=True)
+class GridGeometry:
+    """Where the square cells of a map lie in the world.
+
+    Parameters
+    ----------
+    width, height : int
+        Number of columns (along x) and rows (along y).
+    resolution : float
+        Side of a cell [m].
+    origin : tuple of float
+        Corner (x, y) [m] of cell (0, 0) in ``map``, its lowest x and y.
+
+    Raises
+    ------
+    ValueError
+        If a count is not a positive whole number, the grid has more than
+        `MAX_CELLS` cells, or a length is not finite and positive.
+
+    Examples
+    --------
+    >>> geometry = GridGeometry(76, 63, 0.1, (0.0, 0.0))
+    >>> geometry.cell_of(1.25, 5.25)
+    (52, 12)
+    >>> geometry.centre_of(52, 12)
+    (1.25, 5.25)
+    """
+
+    width: int
+    height: int
+    resolution: float
+    origin: tuple[float, float] = field(default=(0.0, 0.0))
+
+    def __post_init__(self) -> None:
+        for name in ("width", "height"):
+            value = getattr(self, name)
+            if isinstance(value, bool) or int(value) != value or value < 1:
+                raise ValueError(
+                    f"GridGeometry.{name} is a number of cells, a positive whole number, "
+                    f"got {value!r}; GridGeometry.from_size takes metres"
+                )
+            object.__setattr__(self, name, int(value))
+        if self.width * self.height > MAX_CELLS:
+            raise ValueError(
+                f"a grid of {self.width} x {self.height} cells exceeds the limit of "
+                f"{MAX_CELLS} cells; use a coarser resolution or a smaller area"
+            )
+        if not (math.isfinite(self.resolution) and self.resolution > 0.0):
+            raise ValueError(
+                f"GridGeometry.resolution must be positive and finite [m], got {self.resolution}"
+            )
+        object.__setattr__(self, "resolution", float(self.resolution))
+        if len(self.origin) != 2 or not all(math.isfinite(v) for v in self.origin):
+            raise ValueError(f"GridGeometry.origin must be two finite metres, got {self.origin}")
+        object.__setattr__(self, "origin", (float(self.origin[0]), float(self.origin[1])))
+
+    @classmethod
+    def from_size(
+        cls,
+        size_x: float,
+        size_y: float,
+        resolution: float,
+        origin: tuple[float, float] = (0.0, 0.0),
+    ) -> GridGeometry:
+        """Return the smallest grid that covers an area of `size_x` by `size_y` [m].
+
+        Examples
+        --------
+        >>> GridGeometry.from_size(7.6, 6.3, 0.1).shape
+        (63, 76)
+        """
+        lengths = (size_x, size_y, resolution)
+        if not all(math.isfinite(v) and v > 0.0 for v in lengths):
+            raise ValueError(f"sizes and resolution must be positive and finite, got {lengths}")
+        # 7.6 / 0.1 is 75.99999999999999: a millionth of a cell is no further cell.
+        columns = math.ceil(size_x / resolution - 1e-6)
+        rows = math.ceil(size_y / resolution - 1e-6)
+        return cls(max(columns, 1), max(rows, 1), resolution, origin)
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Shape (height, width) of an array over the grid."""
+        return self.height, self.width
+
+    @property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """Return (x_min, y_min, x_max, y_max) of the area [m]."""
+        x0, y0 = self.origin
+        return (
+            x0,
+            y0,
+            x0 + self.width * self.resolution,
+            y0 + self.height * self.resolution,
+        )
+
+    def contains(self, x: float, y: float) -> bool:
+        """Whether the point (x, y) [m] lies in a cell of the grid; False for NaN."""
+        column = (x - self.origin[0]) / self.resolution
+        row = (y - self.origin[1]) / self.resolution
+        return 0.0 <= column < self.width and 0.0 <= row < self.height
+
+    def cell_of(self, x: float, y: float) -> tuple[int, int]:
+        """Return (row, column) of the cell that holds (x, y) [m].
+
+        Raises
+        ------
+        ValueError
+            If the point lies outside the grid or is not finite.
+        """
+        if not self.contains(x, y):
+            raise ValueError(f"point ({x}, {y}) m lies outside the map area {self.bounds} m")
+        column = int((x - self.origin[0]) / self.resolution)
+        row = int((y - self.origin[1]) / self.resolution)
+        return row, column
+
+    def centre_of(self, row: int, column: int) -> tuple[float, float]:
+        """Return the centre (x, y) [m] of a cell, inside the grid or not."""
+        return (
+            self.origin[0] + (column + 0.5) * self.resolution,
+            self.origin[1] + (row + 0.5) * self.resolution,
+        )
+
+    def cells_of(self, points: ArrayLike) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+        """Return the cells that hold many points.
+
+        Parameters
+        ----------
+        points : array_like, shape (N, 2)
+            Positions (x, y) [m].
+
+        Returns
+        -------
+        cells : ndarray of int64, shape (N, 2)
+            (row, column) of each point, (-1, -1) outside.
+        inside : ndarray of bool, shape (N,)
+            Which points lie in the grid.
+        """
+        xy = np.asarray(points, dtype=np.float64).reshape(-1, 2)
+        fraction = (xy - np.asarray(self.origin)) / self.resolution
+        inside = ((fraction >= 0.0) & (fraction < (self.width, self.height))).all(axis=1)
+        cells = np.full(xy.shape, -1, dtype=np.int64)
+        cells[inside] = np.floor(fraction[inside])[:, ::-1]
+        return cells, inside
+
+    def centres(self, window: Window | None = None) -> tuple[NDArray, NDArray]:
+        """Return the coordinates of cell centres along each axis.
+
+        Returns
+        -------
+        x : ndarray of float64, shape (columns,)
+        y : ndarray of float64, shape (rows,)
+            Centres [m] of the window's columns and rows, or of the whole grid's.
+        """
+        w = window if window is not None else Window(0, self.height, 0, self.width)
+        x = self.origin[0] + (np.arange(w.col0, w.col1) + 0.5) * self.resolution
+        y = self.origin[1] + (np.arange(w.row0, w.row1) + 0.5) * self.resolution
+        return x, y
+
+    def window(self, x: float, y: float, radius: float) -> Window:
+        """Return the cells whose centres can lie within `radius` of (x, y) [m], clipped.
+
+        The window may be empty when the circle lies outside the grid.
+        """
+        if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(radius) and radius >= 0):
+            raise ValueError(f"circle ({x}, {y}), radius {radius} is not finite and positive")
+
+        def clip(low: float, high: float, count: int) -> tuple[int, int]:
+            first = max(0, min(count, math.floor(low / self.resolution)))
+            last = max(first, min(count, math.floor(high / self.resolution) + 1))
+            return first, last
+
+        row0, row1 = clip(y - radius - self.origin[1], y + radius - self.origin[1], self.height)
+        col0, col1 = clip(x - radius - self.origin[0], x + radius - self.origin[0], self.width)
+        return Window(row0, row1, col0, col1)

@@ -1,0 +1,246 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""Parameters declared once, as the fields of frozen dataclasses.
+
+A field made by `parameter` carries its unit, range, meaning and source. Groups nest:
+a field ``sonar`` that is itself such a dataclass gives names with dots
+(``sonar.min_range``). Everything else, validation, YAML files, ROS declarations,
+the table in the README, is derived from that one declaration.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import difflib
+import math
+import typing
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+__all__ = [
+    "ParameterError",
+    "ParameterInfo",
+    "describe",
+    "flatten",
+    "from_mapping",
+    "parameter",
+    "suggest",
+    "validate",
+]
+
+T = TypeVar("T")
+_KEY = "parameter"
+
+
+class ParameterError(ValueError):
+    """A parameter has an unknown name or a value that it must not have."""
+
+
+@dataclass(frozen=True)
+class ParameterInfo:
+    """What is known of one parameter besides its value."""
+
+    name: str
+    type: type
+    default: Any
+    doc: str
+    unit: str
+    minimum: float | None
+    maximum: float | None
+    choices: tuple[Any, ...]
+    source: str
+    is_sequence: bool
+    read_only: bool
+
+
+def parameter(
+    default: Any,
+    *,
+    doc: str,
+    unit: str = "",
+    minimum: float | None = None,
+    maximum: float | None = None,
+    choices: tuple[Any, ...] = (),
+    source: str = "",
+    read_only: bool = False,
+) -> Any:
+    """Declare a parameter as a dataclass field.
+
+    Parameters
+    ----------
+    default : bool, int, float, str or tuple of one of these
+        Default; its type is the parameter's type.
+    doc, unit, source : str
+        Meaning, unit (empty: a pure number) and where the value comes from.
+    minimum, maximum : float, optional
+        Bounds, both allowed values; of each element where the parameter is a sequence.
+    choices : tuple, optional
+        The only allowed values.
+    read_only : bool
+        Whether a running node refuses to change it.
+    """
+    info = {
+        "doc": doc,
+        "unit": unit,
+        "minimum": minimum,
+        "maximum": maximum,
+        "choices": choices,
+        "source": source,
+        "read_only": read_only,
+    }
+    return dataclasses.field(default=default, metadata={_KEY: info})
+
+
+def suggest(name: str, known: typing.Iterable[str]) -> str:
+    """Return '; did you mean ...?' for a misspelt name, or the list of known names."""
+    names = sorted(known)
+    close = difflib.get_close_matches(name, names, n=1, cutoff=0.6)
+    if close:
+        return f"; did you mean '{close[0]}'?"
+    return f"; known names: {', '.join(names)}"
+
+
+def _groups(cls: type) -> typing.Iterator[tuple[dataclasses.Field[Any], type | None]]:
+    hints = typing.get_type_hints(cls)
+    for field in dataclasses.fields(cls):
+        hint = hints[field.name]
+        if isinstance(hint, type) and dataclasses.is_dataclass(hint):
+            yield field, hint
+        else:
+            yield field, None
+
+
+def describe(cls: type, prefix: str = "") -> dict[str, ParameterInfo]:
+    """Return the parameters of a dataclass by dotted name, in order of declaration."""
+    out: dict[str, ParameterInfo] = {}
+    for field, group in _groups(cls):
+        name = prefix + field.name
+        if group is not None:
+            out.update(describe(group, name + "."))
+            continue
+        info = field.metadata[_KEY]
+        sequence = isinstance(field.default, tuple)
+        element = field.default[0] if sequence and field.default else field.default
+        if sequence and not field.default:
+            raise TypeError(f"{name}: the type of an empty default sequence is unknown")
+        out[name] = ParameterInfo(
+            name=name, type=type(element), default=field.default, is_sequence=sequence, **info
+        )
+    return out
+
+
+def flatten(parameters: Any, prefix: str = "") -> dict[str, Any]:
+    """Return the values of a parameter dataclass by dotted name."""
+    out: dict[str, Any] = {}
+    for field, group in _groups(type(parameters)):
+        value = getattr(parameters, field.name)
+        if group is not None:
+            out.update(flatten(value, prefix + field.name + "."))
+        else:
+            out[prefix + field.name] = value
+    return out
+
+
+def _checked(info: ParameterInfo, value: Any) -> Any:
+    """Return `value` in the parameter's own type or raise ParameterError."""
+    if info.is_sequence:
+        if isinstance(value, (str, bytes)) or not hasattr(value, "__iter__"):
+            raise ParameterError(f"parameter '{info.name}' is a list, got {value!r}")
+        return tuple(_checked_scalar(info, element) for element in value)
+    return _checked_scalar(info, value)
+
+
+def _checked_scalar(info: ParameterInfo, value: Any) -> Any:
+    name = f"parameter '{info.name}'"
+    if info.type is float and isinstance(value, (int, float)) and not isinstance(value, bool):
+        value = float(value)
+        if not math.isfinite(value):
+            raise ParameterError(f"{name} must be finite, got {value}")
+    elif info.type is int and hasattr(value, "__index__") and not isinstance(value, bool):
+        value = int(value)
+    elif info.type is bool and type(value).__name__ in ("bool", "bool_"):
+        value = bool(value)
+    elif not (info.type is str and isinstance(value, str)):
+        raise ParameterError(
+            f"{name} must be of type {info.type.__name__}, "
+            f"got {value!r} of type {type(value).__name__}"
+        )
+    unit = f" {info.unit}" if info.unit else ""
+    if info.minimum is not None and value < info.minimum:
+        raise ParameterError(f"{name} must be at least {info.minimum}{unit}, got {value}")
+    if info.maximum is not None and value > info.maximum:
+        raise ParameterError(f"{name} must be at most {info.maximum}{unit}, got {value}")
+    if info.choices and value not in info.choices:
+        hint = suggest(str(value), [str(c) for c in info.choices])
+        raise ParameterError(
+            f"{name} must be one of {', '.join(map(str, info.choices))}, got {value!r}{hint}"
+        )
+    return value
+
+
+def validate(parameters: Any) -> None:
+    """Check every value against its declaration and store it in its declared type.
+
+    Call it in ``__post_init__`` of each group, before the cross-checks.
+
+    Raises
+    ------
+    ParameterError
+        Naming the parameter, the value and what is allowed.
+    """
+    for name, info in describe(type(parameters)).items():
+        if "." in name:
+            continue  # groups validate themselves
+        object.__setattr__(parameters, name, _checked(info, getattr(parameters, name)))
+
+
+def from_mapping(base: T, values: Mapping[str, Any]) -> T:
+    """Return a copy of `base` with the named values changed.
+
+    Parameters
+    ----------
+    base : dataclass instance
+        Where the values not named come from, e.g. a preset.
+    values : mapping
+        Dotted names, or nested mappings as a YAML file gives them.
+
+    Raises
+    ------
+    ParameterError
+        For an unknown name (with the nearest known one) or a refused value.
+    """
+    flat = _flatten_mapping(values)
+    known = describe(type(base))
+    for name in flat:
+        if name not in known:
+            raise ParameterError(f"unknown parameter '{name}'{suggest(name, known)}")
+    for name, value in flat.items():
+        flat[name] = _checked(known[name], value)
+    return _replace(base, flat)
+
+
+def _flatten_mapping(values: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    out: dict[str, Any] = {}
+    for key, value in values.items():
+        if not isinstance(key, str):
+            raise ParameterError(f"parameter names are text, got {key!r}")
+        if isinstance(value, Mapping):
+            out.update(_flatten_mapping(value, prefix + key + "."))
+        else:
+            out[prefix + key] = value
+    return out
+
+
+def _replace(base: Any, flat: Mapping[str, Any]) -> Any:
+    changes: dict[str, Any] = {}
+    for field, group in _groups(type(base)):
+        if group is None:
+            if field.name in flat:
+                changes[field.name] = flat[field.name]
+            continue
+        start = field.name + "."
+        inner = {name[len(start) :]: v for name, v in flat.items() if name.startswith(start)}
+        if inner:
+            changes[field.name] = _replace(getattr(base, field.name), inner)
+    return dataclasses.replace(base, **changes)

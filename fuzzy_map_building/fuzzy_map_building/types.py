@@ -1,0 +1,93 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""Frozen values that cross module borders: poses and range readings."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+__all__ = ["InfraredReading", "Pose2", "RangeReading", "SonarReading", "wrap_angle"]
+
+
+def wrap_angle(angle: float) -> float:
+    """Return `angle` [rad] brought into [-pi, pi)."""
+    return (angle + math.pi) % (2.0 * math.pi) - math.pi
+
+
+@dataclass(frozen=True)
+class Pose2:
+    """Position and heading in the plane.
+
+    Parameters
+    ----------
+    x, y : float
+        Position in the frame ``map`` [m].
+    theta : float
+        Heading [rad], counter-clockwise from the x axis.
+
+    Raises
+    ------
+    ValueError
+        If a value is not finite.
+    """
+
+    x: float
+    y: float
+    theta: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("x", "y", "theta"):
+            value = getattr(self, name)
+            if not math.isfinite(value):
+                raise ValueError(f"Pose2.{name} must be finite, got {value}")
+
+    def distance_to(self, x: float, y: float) -> float:
+        """Return the distance [m] from this position to (x, y) [m]."""
+        return math.hypot(x - self.x, y - self.y)
+
+
+@dataclass(frozen=True)
+class RangeReading:
+    """One range measurement, placed at the pose the robot had at its stamp.
+
+    Parameters
+    ----------
+    pose : Pose2
+        Pose of the robot's centre in ``map`` when the reading was taken.
+    bearing : float
+        Direction of the sensor's axis [rad] from the robot's heading,
+        the angle of the turret included.
+    range : float
+        Distance [m] from the sensor's face. REP 117: ``+inf`` no echo, ``-inf`` an
+        object closer than the sensor can measure, ``nan`` a faulty measurement.
+    stamp : float
+        Time of the reading [s].
+    sensor : int
+        Index of the sensor in its ring, -1 when unknown.
+
+    Raises
+    ------
+    ValueError
+        If `bearing` or `stamp` is not finite.
+    """
+
+    pose: Pose2
+    bearing: float
+    range: float
+    stamp: float = 0.0
+    sensor: int = -1
+
+    def __post_init__(self) -> None:
+        for name in ("bearing", "stamp"):
+            value = getattr(self, name)
+            if not math.isfinite(value):
+                raise ValueError(f"{type(self).__name__}.{name} must be finite, got {value}")
+
+
+class SonarReading(RangeReading):
+    """A sonar's reading: the nearest surface somewhere inside a wide cone."""
+
+
+class InfraredReading(RangeReading):
+    """An infrared proximity sensor's reading: a narrow ray."""
