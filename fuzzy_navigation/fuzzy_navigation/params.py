@@ -1,0 +1,407 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""Parameters of the planner and of the motion, declared once.
+
+"Paper" in a source is Oriolo, Ulivi, Vendittelli, IEEE Trans. SMC-B 28(3), 1998.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, TypeVar
+
+from fuzzy_map_building.parameter_schema import (
+    ParameterError,
+    from_mapping,
+    parameter,
+    suggest,
+    validate,
+)
+
+__all__ = [
+    "DEFAULT_PRESET",
+    "MOTION_PRESETS",
+    "PLANNER_PRESETS",
+    "ClearanceParameters",
+    "FollowerParameters",
+    "InfraredParameters",
+    "MotionParameters",
+    "PlannerParameters",
+    "TimeoutParameters",
+    "motion_parameters",
+    "planner_parameters",
+]
+
+T = TypeVar("T")
+
+#: Radius of the NOMAD 200's cylindrical body [m] (paper, section II).
+ROBOT_RADIUS = 0.23
+#: Infrared sensors in the NOMAD 200's ring (paper, section IV-B).
+INFRARED_COUNT = 16
+
+
+@dataclass(frozen=True)
+class PlannerParameters:
+    """How paths are planned on the planning map M_p (paper, section IV-A).
+
+    Raises
+    ------
+    ParameterError
+        For a value out of its range, or a ladder that does not rise.
+    """
+
+    cost: str = parameter(
+        "g2",
+        doc="path cost: sum of the risks (g1, algorithm A1), of their squares (g2, A2) "
+        "or their maximum (g3, A3)",
+        choices=("g1", "g2", "g3"),
+        source="paper, section IV-A",
+    )
+    alpha_ladder: tuple[float, ...] = parameter(
+        (0.6, 0.7, 0.8, 0.9, 1.0),
+        doc="largest admissible risk, tried in this order until a path is found",
+        minimum=0.0,
+        maximum=1.0,
+        source="paper, sections IV-A and V",
+    )
+    adjacency: int = parameter(
+        0,
+        doc="neighbours of a cell: 4 or 8; 0 means 8 for g1 and g2 and 4 for g3",
+        choices=(0, 4, 8),
+        source="paper, section IV-A",
+    )
+    tolerance: float = parameter(
+        0.3,
+        doc="distance from the goal within which a path may end; 0: only in the goal's cell",
+        unit="m",
+        minimum=0.0,
+        maximum=10.0,
+    )
+    epsilon: float = parameter(
+        0.2,
+        doc="constant added to the risk of each cell: how much a path through cells that nobody "
+        "has explored is preferred to one through free cells",
+        minimum=1e-9,
+        maximum=1.0,
+    )
+    robot_radius: float = parameter(
+        ROBOT_RADIUS,
+        doc="radius by which the planning map is augmented",
+        unit="m",
+        minimum=0.0,
+        maximum=5.0,
+        source="paper, section II",
+    )
+    augmentation: str = parameter(
+        "square",
+        doc="footprint of the augmentation: square of 2 round(radius / cell) + 1 cells, or disc "
+        "of the cells whose centres are no farther than the radius",
+        choices=("square", "disc"),
+        source="paper, section IV-A",
+    )
+    diagonal: str = parameter(
+        "unit",
+        doc="cost of a diagonal step: that of a straight one (unit) or sqrt(2) times it (sqrt2)",
+        choices=("unit", "sqrt2"),
+        source="paper, section IV-A",
+    )
+    corner_cutting: bool = parameter(
+        True,
+        doc="whether a diagonal step may pass between cells that are not admissible; "
+        "if not, both cells beside the step have to be",
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+        ladder = self.alpha_ladder
+        if not ladder:
+            raise ParameterError("parameter 'alpha_ladder' needs at least one rung, got none")
+        if ladder[0] <= 0.0 or any(b <= a for a, b in zip(ladder, ladder[1:])):
+            raise ParameterError(
+                "parameter 'alpha_ladder' must start above 0 and rise from rung to rung, "
+                f"got {list(ladder)}"
+            )
+
+
+@dataclass(frozen=True)
+class ClearanceParameters:
+    """When the motion stops in front of an obstacle that the infrareds see."""
+
+    rule: str = parameter(
+        "closing",
+        doc="stop where the clearance at the next cell is below the limit and smaller than now "
+        "(closing), or wherever it is below the limit (strict, the paper's wording)",
+        choices=("closing", "strict"),
+        source="paper, section IV-B",
+    )
+    limit: float = parameter(
+        0.12,
+        doc="least clearance of the body",
+        unit="m",
+        minimum=0.0,
+        maximum=2.0,
+        source="paper, section V",
+    )
+    override: float = parameter(
+        0.05,
+        doc="least clearance allowed once after a perception that brought no progress; "
+        "equal to the limit: never less than the limit",
+        unit="m",
+        minimum=0.0,
+        maximum=2.0,
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+        if self.override > self.limit:
+            raise ParameterError(
+                f"parameter 'clearance.override' ({self.override} m) must not exceed "
+                f"'clearance.limit' ({self.limit} m)"
+            )
+
+
+@dataclass(frozen=True)
+class FollowerParameters:
+    """Limits of the robot and how closely it follows a path."""
+
+    max_linear: float = parameter(
+        0.6, doc="largest speed", unit="m/s", minimum=0.01, maximum=5.0, source="NOMAD 200"
+    )
+    max_angular: float = parameter(
+        math.radians(60.0),
+        doc="largest turning rate",
+        unit="rad/s",
+        minimum=0.01,
+        maximum=10.0,
+        source="NOMAD 200",
+    )
+    linear_acceleration: float = parameter(
+        0.6, doc="largest change of the speed", unit="m/s^2", minimum=0.01, maximum=20.0
+    )
+    angular_acceleration: float = parameter(
+        2.0, doc="largest change of the turning rate", unit="rad/s^2", minimum=0.01, maximum=50.0
+    )
+    lookahead: float = parameter(
+        0.15,
+        doc="distance along the path at which the robot aims",
+        unit="m",
+        minimum=0.01,
+        maximum=2.0,
+    )
+    max_deviation: float = parameter(
+        0.05,
+        doc="largest distance from the path; half a cell",
+        unit="m",
+        minimum=0.005,
+        maximum=1.0,
+    )
+    turn_in_place: float = parameter(
+        math.radians(45.0),
+        doc="heading error beyond which the robot turns on the spot first",
+        unit="rad",
+        minimum=0.05,
+        maximum=math.pi,
+    )
+    arrival: float = parameter(
+        0.005,
+        doc="distance from the path's last point at which the robot has arrived",
+        unit="m",
+        minimum=0.0005,
+        maximum=0.5,
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@dataclass(frozen=True)
+class InfraredParameters:
+    """Ring of infrared proximity sensors that guards the motion."""
+
+    frame_ids: tuple[str, ...] = parameter(
+        tuple(f"infrared_{i}" for i in range(INFRARED_COUNT)),
+        doc="frame of each sensor, in the order of the bearings",
+        read_only=True,
+        source="paper, section IV-B",
+    )
+    bearings: tuple[float, ...] = parameter(
+        tuple(i * 2.0 * math.pi / INFRARED_COUNT for i in range(INFRARED_COUNT)),
+        doc="direction of each sensor from the robot's heading",
+        unit="rad",
+        minimum=-2.0 * math.pi,
+        maximum=2.0 * math.pi,
+        read_only=True,
+        source="paper, section IV-B",
+    )
+    mount_radius: float = parameter(
+        ROBOT_RADIUS,
+        doc="distance of the sensors' faces from the robot's centre",
+        unit="m",
+        minimum=0.0,
+        maximum=5.0,
+        source="paper, section II",
+    )
+    min_range: float = parameter(
+        0.0, doc="smallest range that counts", unit="m", minimum=0.0, maximum=10.0
+    )
+    max_range: float = parameter(
+        0.6, doc="largest range that counts", unit="m", minimum=0.01, maximum=20.0
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+        if len(self.frame_ids) != len(self.bearings):
+            raise ParameterError(
+                f"'infrared.frame_ids' ({len(self.frame_ids)}) and 'infrared.bearings' "
+                f"({len(self.bearings)}) must have the same length"
+            )
+        if len(set(self.frame_ids)) != len(self.frame_ids):
+            raise ParameterError("'infrared.frame_ids' names a frame twice")
+        if self.min_range >= self.max_range:
+            raise ParameterError(
+                f"'infrared.min_range' ({self.min_range} m) must be below "
+                f"'infrared.max_range' ({self.max_range} m)"
+            )
+
+
+@dataclass(frozen=True)
+class TimeoutParameters:
+    """How long the motion waits for others before it stops or gives up."""
+
+    pose: float = parameter(
+        0.5, doc="age of the pose at which the robot stops", unit="s", minimum=0.05, maximum=60.0
+    )
+    infrared: float = parameter(
+        0.5,
+        doc="age of the infrared readings at which the robot stops",
+        unit="s",
+        minimum=0.05,
+        maximum=60.0,
+    )
+    plan: float = parameter(10.0, doc="wait for a plan", unit="s", minimum=0.1, maximum=600.0)
+    build_map: float = parameter(
+        60.0, doc="wait for a perception to end", unit="s", minimum=0.1, maximum=3600.0
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@dataclass(frozen=True)
+class MotionParameters:
+    """When the motion stops, asks for a map, and gives up (paper, section IV-B)."""
+
+    beta: float = parameter(
+        0.9,
+        doc="largest augmented motion risk of a cell that the robot enters",
+        minimum=0.0,
+        maximum=1.0,
+        source="paper, section V",
+    )
+    robot_radius: float = parameter(
+        ROBOT_RADIUS,
+        doc="radius by which the motion map is augmented, and of the body in clearances",
+        unit="m",
+        minimum=0.0,
+        maximum=5.0,
+        source="paper, section II",
+    )
+    augmentation: str = parameter(
+        "square",
+        doc="footprint of the augmentation, as the planner's",
+        choices=("square", "disc"),
+        source="paper, section IV-A",
+    )
+    perception_cap: int = parameter(
+        80, doc="perceptions after which the goal is unreachable", minimum=1, maximum=100_000
+    )
+    livelock_limit: int = parameter(
+        6,
+        doc="perceptions in a row without progress that make a livelock",
+        minimum=1,
+        maximum=100_000,
+    )
+    goal_tolerance: float = parameter(
+        0.3,
+        doc="distance from the goal that counts as reached",
+        unit="m",
+        minimum=0.0,
+        maximum=10.0,
+    )
+    clearance: ClearanceParameters = field(default_factory=ClearanceParameters)
+    follower: FollowerParameters = field(default_factory=FollowerParameters)
+    infrared: InfraredParameters = field(default_factory=InfraredParameters)
+    timeout: TimeoutParameters = field(default_factory=TimeoutParameters)
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+DEFAULT_PRESET = "oriolo1998"
+
+#: What each preset changes, by dotted name. The defaults are the paper's rules, mended.
+PLANNER_PRESETS: Mapping[str, Mapping[str, Any]] = {"oriolo1998": {}}
+MOTION_PRESETS: Mapping[str, Mapping[str, Any]] = {"oriolo1998": {}}
+
+
+def _resolve(
+    base: T,
+    presets: Mapping[str, Mapping[str, Any]],
+    preset: str,
+    overrides: Mapping[str, Any] | None,
+) -> T:
+    if preset not in presets:
+        raise ParameterError(f"unknown preset {preset!r}{suggest(str(preset), presets)}")
+    return from_mapping(from_mapping(base, presets[preset]), overrides or {})
+
+
+def planner_parameters(
+    preset: str = DEFAULT_PRESET, overrides: Mapping[str, Any] | None = None
+) -> PlannerParameters:
+    """Return the parameters of a planner.
+
+    Parameters
+    ----------
+    preset : str
+        One of `PLANNER_PRESETS`.
+    overrides : mapping, optional
+        Values that differ from the preset, by name.
+
+    Raises
+    ------
+    ParameterError
+        For an unknown preset or name, or a refused value.
+
+    Examples
+    --------
+    >>> planner_parameters(overrides={"cost": "g1"}).cost
+    'g1'
+    """
+    return _resolve(PlannerParameters(), PLANNER_PRESETS, preset, overrides)
+
+
+def motion_parameters(
+    preset: str = DEFAULT_PRESET, overrides: Mapping[str, Any] | None = None
+) -> MotionParameters:
+    """Return the parameters of the motion.
+
+    Parameters
+    ----------
+    preset : str
+        One of `MOTION_PRESETS`.
+    overrides : mapping, optional
+        Values that differ from the preset, by dotted name or nested.
+
+    Raises
+    ------
+    ParameterError
+        For an unknown preset or name, or a refused value.
+
+    Examples
+    --------
+    >>> motion_parameters(overrides={"clearance.rule": "strict"}).clearance.rule
+    'strict'
+    """
+    return _resolve(MotionParameters(), MOTION_PRESETS, preset, overrides)
