@@ -1,0 +1,391 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""Messages to values and back. Everything that comes in is checked here, once.
+
+A message that cannot be used raises `Refused`, a ValueError that says what was wrong,
+where, and what to do, and whose ``reason`` is the word it is counted under.
+"""
+
+from __future__ import annotations
+
+import math
+from array import array
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from builtin_interfaces.msg import Time
+from geometry_msgs.msg import Pose, PoseStamped, Quaternion, Twist
+from nav_msgs.msg import OccupancyGrid, Path
+from numpy.typing import NDArray
+from sensor_msgs.msg import JointState, Range
+from std_msgs.msg import Header
+
+from fuzzy_map_building.grid import GridGeometry
+from fuzzy_map_building.ros import names
+from fuzzy_map_building.ros.clock import seconds_from_stamp
+from fuzzy_map_building.types import Pose2
+
+__all__ = [
+    "RangeSample",
+    "Refused",
+    "geometry_from_msg",
+    "goal_from_msg",
+    "grid_from_msg",
+    "grid_to_msg",
+    "joint_position",
+    "path_from_msg",
+    "path_to_msg",
+    "pose_from_msg",
+    "pose_to_msg",
+    "range_from_msg",
+    "risk_from_msg",
+    "stamped_pose_from_msg",
+    "twist_from_msg",
+    "twist_to_msg",
+]
+
+#: Deviation of a quaternion's norm from 1 that still passes for rounding.
+NORM_TOLERANCE: Final = 1e-3
+#: Largest tilt of a pose against the plane that is taken for planar [rad].
+MAX_TILT: Final = math.radians(15.0)
+#: Deviation of a field of view from the parameter that still passes for rounding [rad].
+FIELD_OF_VIEW_TOLERANCE: Final = 1e-3
+#: Largest coordinate that a position may have [m]; beyond it arithmetic in cells overflows.
+MAX_COORDINATE: Final = 1e6
+
+
+class Refused(ValueError):
+    """A message that cannot be used.
+
+    Attributes
+    ----------
+    reason : str
+        The word it is counted under in the diagnostics.
+    """
+
+    def __init__(self, reason: str, message: str) -> None:
+        super().__init__(message)
+        self.reason = reason
+
+
+@dataclass(frozen=True)
+class RangeSample:
+    """A range as it came: which sensor, when [s], how far [m] (REP 117)."""
+
+    sensor: int
+    stamp: float
+    range: float
+
+
+def _float32(value: float) -> float:
+    """Return the shortest decimal that a float32 field can have meant: 0.1, not 0.10000000149."""
+    return float(str(np.float32(value)))
+
+
+def _stamp(header: Header, what: str) -> float:
+    stamp = header.stamp
+    if stamp.sec == 0 and stamp.nanosec == 0:
+        raise Refused("no_stamp", f"{what} has no stamp; set header.stamp to when it was measured")
+    if stamp.sec < 0:
+        raise Refused("negative_stamp", f"{what} has a negative stamp ({stamp.sec} s)")
+    return seconds_from_stamp(stamp)
+
+
+def _check_frame(header: Header, frame: str, what: str) -> None:
+    if header.frame_id != frame:
+        raise Refused(
+            "wrong_frame",
+            f"{what} is in frame '{header.frame_id}', expected '{frame}': transform it first",
+        )
+
+
+def _yaw(q: Quaternion, what: str) -> float:
+    norm = math.sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w)
+    if not math.isfinite(norm):
+        raise Refused("not_finite", f"{what} has an orientation that is not finite")
+    if abs(norm - 1.0) > NORM_TOLERANCE:
+        raise Refused(
+            "quaternion_norm",
+            f"{what} has an orientation of norm {norm:.6g}, expected 1: normalise the quaternion",
+        )
+    # Cosine of the angle between the body's z axis and the world's.
+    upright = 1.0 - 2.0 * (q.x * q.x + q.y * q.y) / (norm * norm)
+    if upright < math.cos(MAX_TILT):
+        raise Refused(
+            "tilted",
+            f"{what} is tilted by {math.degrees(math.acos(max(-1.0, upright))):.0f} deg; "
+            "the method works in the plane: is it the pose of base_link?",
+        )
+    return math.atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))
+
+
+def pose_from_msg(pose: Pose, what: str = "pose") -> Pose2:
+    """Return a pose in the plane.
+
+    Raises
+    ------
+    Refused
+        ``not_finite``, ``too_far``, ``quaternion_norm`` or ``tilted``.
+    """
+    position = (pose.position.x, pose.position.y, pose.position.z)
+    if not all(math.isfinite(v) for v in position):
+        raise Refused("not_finite", f"{what} has a position that is not finite: {position}")
+    if max(abs(v) for v in position) > MAX_COORDINATE:
+        raise Refused("too_far", f"{what} lies beyond {MAX_COORDINATE:g} m: {position}")
+    return Pose2(pose.position.x, pose.position.y, _yaw(pose.orientation, what))
+
+
+def stamped_pose_from_msg(
+    message: PoseStamped, frame: str = names.MAP_FRAME, what: str = "pose"
+) -> tuple[float, Pose2]:
+    """Return (stamp [s], pose) of a message that must be in `frame` and stamped.
+
+    Raises
+    ------
+    Refused
+        ``wrong_frame``, ``no_stamp``, ``negative_stamp`` or as `pose_from_msg`.
+    """
+    _check_frame(message.header, frame, what)
+    return _stamp(message.header, what), pose_from_msg(message.pose, what)
+
+
+def goal_from_msg(message: PoseStamped, frame: str = names.MAP_FRAME, what: str = "goal") -> Pose2:
+    """Return a position asked for: the stamp and the orientation are not looked at.
+
+    The heading of the result is 0.
+
+    Raises
+    ------
+    Refused
+        ``wrong_frame``, ``not_finite`` or ``too_far``.
+    """
+    _check_frame(message.header, frame, what)
+    upright = Pose(position=message.pose.position)
+    upright.orientation.w = 1.0
+    return pose_from_msg(upright, what)
+
+
+def pose_to_msg(pose: Pose2, stamp: Time, frame: str = names.MAP_FRAME) -> PoseStamped:
+    """Return the message of a pose in the plane."""
+    message = PoseStamped(header=Header(stamp=stamp, frame_id=frame))
+    message.pose.position.x = pose.x
+    message.pose.position.y = pose.y
+    message.pose.orientation.z = math.sin(0.5 * pose.theta)
+    message.pose.orientation.w = math.cos(0.5 * pose.theta)
+    return message
+
+
+def range_from_msg(
+    message: Range,
+    frame_ids: Sequence[str],
+    field_of_view: float | None = None,
+    what: str = "range",
+) -> RangeSample:
+    """Return a sensor's range.
+
+    The range itself may be anything REP 117 allows, NaN included: whether it lies within
+    the sensor's limits is for the sensor model to say.
+
+    Parameters
+    ----------
+    message : Range
+    frame_ids : sequence of str
+        Frames of the sensors; the position in it is the sensor's number.
+    field_of_view : float, optional
+        Full angle that the message must have [rad]; not checked when None.
+
+    Raises
+    ------
+    Refused
+        ``unknown_frame``, ``no_stamp``, ``negative_stamp`` or ``field_of_view``.
+    """
+    frame = message.header.frame_id
+    try:
+        sensor = frame_ids.index(frame)
+    except ValueError:
+        raise Refused(
+            "unknown_frame",
+            f"{what} from frame '{frame}', which is none of the {len(frame_ids)} sensors "
+            f"{', '.join(frame_ids[:3])}...; name it in the parameter frame_ids",
+        ) from None
+    stamp = _stamp(message.header, what)
+    if field_of_view is not None and not (
+        abs(message.field_of_view - field_of_view) <= FIELD_OF_VIEW_TOLERANCE
+    ):
+        raise Refused(
+            "field_of_view",
+            f"{what} of '{frame}' has a field of view of {message.field_of_view:.4g} rad, "
+            f"expected {field_of_view:.4g} rad (the full angle): mend the driver or the parameter",
+        )
+    return RangeSample(sensor, stamp, _float32(message.range))
+
+
+def joint_position(
+    message: JointState, joint: str, what: str = "joint state"
+) -> tuple[float, float] | None:
+    """Return (stamp [s], position [rad]) of a joint, or None when the message has no such joint.
+
+    Raises
+    ------
+    Refused
+        ``no_position``, ``not_finite``, ``no_stamp`` or ``negative_stamp``.
+    """
+    if joint not in message.name:
+        return None
+    index = list(message.name).index(joint)
+    if index >= len(message.position):
+        raise Refused("no_position", f"{what} names '{joint}' but has no position for it")
+    position = float(message.position[index])
+    if not math.isfinite(position):
+        raise Refused("not_finite", f"{what} has a position of '{joint}' of {position}")
+    return _stamp(message.header, what), position
+
+
+def geometry_from_msg(message: OccupancyGrid, what: str = "map") -> GridGeometry:
+    """Return where a map's cells lie.
+
+    Raises
+    ------
+    Refused
+        ``wrong_frame``, ``rotated``, ``not_finite``, ``quaternion_norm``, ``too_far`` or
+        ``geometry``.
+    """
+    _check_frame(message.header, names.MAP_FRAME, what)
+    origin = pose_from_msg(message.info.origin, f"{what} origin")
+    if abs(origin.theta) > 1e-6:
+        raise Refused(
+            "rotated",
+            f"{what} is rotated by {math.degrees(origin.theta):.3g} deg; "
+            "its axes must be those of the frame",
+        )
+    info = message.info
+    try:
+        return GridGeometry(
+            info.width, info.height, _float32(info.resolution), (origin.x, origin.y)
+        )
+    except ValueError as error:
+        raise Refused("geometry", f"{what}: {error}") from error
+
+
+def grid_from_msg(
+    message: OccupancyGrid, what: str = "map"
+) -> tuple[GridGeometry, NDArray[np.int8]]:
+    """Return a map's geometry and its values, -1 or 0..100, shape (height, width).
+
+    The values are a read-only view of the message's data.
+
+    Raises
+    ------
+    Refused
+        As `geometry_from_msg`, ``size`` or ``value``.
+    """
+    geometry = geometry_from_msg(message, what)
+    cells = geometry.width * geometry.height
+    if len(message.data) != cells:
+        raise Refused(
+            "size",
+            f"{what} has {len(message.data)} values for {geometry.width} x {geometry.height} cells",
+        )
+    values = np.frombuffer(message.data, dtype=np.int8).reshape(geometry.shape)
+    if values.min() < -1 or values.max() > 100:
+        raise Refused(
+            "value", f"{what} has values from {values.min()} to {values.max()}, allowed: -1..100"
+        )
+    values.flags.writeable = False
+    return geometry, values
+
+
+def risk_from_msg(
+    message: OccupancyGrid, what: str = "map"
+) -> tuple[GridGeometry, NDArray[np.float64]]:
+    """Return a risk map's geometry and its risks in [0, 1], shape (height, width).
+
+    Raises
+    ------
+    Refused
+        As `grid_from_msg`; ``unknown`` where a value is -1, which no risk map has.
+    """
+    geometry, values = grid_from_msg(message, what)
+    if values.min() < 0:
+        raise Refused("unknown", f"{what} has cells of -1: a risk map knows each cell, 0..100")
+    return geometry, values / 100.0
+
+
+def grid_to_msg(
+    values: NDArray[np.int8], geometry: GridGeometry, stamp: Time, frame: str = names.MAP_FRAME
+) -> OccupancyGrid:
+    """Return the message of a map.
+
+    Parameters
+    ----------
+    values : ndarray of int8, shape (height, width)
+        -1 or 0..100.
+    """
+    if values.dtype != np.int8 or values.shape != geometry.shape:
+        raise ValueError(
+            f"a map of shape {geometry.shape} takes int8, got {values.dtype} of {values.shape}"
+        )
+    message = OccupancyGrid(header=Header(stamp=stamp, frame_id=frame))
+    message.info.map_load_time = stamp
+    message.info.resolution = geometry.resolution
+    message.info.width = geometry.width
+    message.info.height = geometry.height
+    message.info.origin.position.x, message.info.origin.position.y = geometry.origin
+    message.info.origin.orientation.w = 1.0
+    # The setter takes an array of this very type as it is; anything else it copies value
+    # by value, a hundred times slower.
+    data = array("b")
+    data.frombytes(np.ascontiguousarray(values).data.cast("B"))
+    message.data = data
+    return message
+
+
+def path_to_msg(poses: Iterable[Pose2], stamp: Time, frame: str = names.MAP_FRAME) -> Path:
+    """Return the message of a path."""
+    return Path(
+        header=Header(stamp=stamp, frame_id=frame),
+        poses=[pose_to_msg(pose, stamp, frame) for pose in poses],
+    )
+
+
+def path_from_msg(message: Path, frame: str = names.MAP_FRAME, what: str = "path") -> list[Pose2]:
+    """Return the poses of a path; none is a path of no pose.
+
+    Raises
+    ------
+    Refused
+        ``wrong_frame`` or as `pose_from_msg`.
+    """
+    if not message.poses:
+        return []
+    _check_frame(message.header, frame, what)
+    return [pose_from_msg(p.pose, f"{what}, pose {i}") for i, p in enumerate(message.poses)]
+
+
+def twist_to_msg(linear: float, angular: float) -> Twist:
+    """Return the message of a forward speed [m/s] and a turning rate [rad/s]."""
+    message = Twist()
+    message.linear.x = float(linear)
+    message.angular.z = float(angular)
+    return message
+
+
+def twist_from_msg(message: Twist, what: str = "velocity command") -> tuple[float, float]:
+    """Return (forward speed [m/s], turning rate [rad/s]).
+
+    Raises
+    ------
+    Refused
+        ``not_finite``, or ``not_planar`` for a motion that a unicycle cannot make.
+    """
+    used = (message.linear.x, message.angular.z)
+    other = (message.linear.y, message.linear.z, message.angular.x, message.angular.y)
+    if not all(math.isfinite(v) for v in used + other):
+        raise Refused("not_finite", f"{what} is not finite: {used + other}")
+    if any(other):
+        raise Refused(
+            "not_planar", f"{what} moves along or about other axes than x and z: {other}"
+        )
+    return used

@@ -1,0 +1,115 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""What a node refused and what it is doing, once a second on ``diagnostics``.
+
+In a node::
+
+    self._diagnostics = Diagnostics(self, values=lambda: {"perceptions": self._count})
+    ...
+    try:
+        reading = conversions.range_from_msg(message, ...)
+    except Refused as refusal:
+        self._diagnostics.reject("sonar", refusal.reason, str(refusal))
+"""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Callable, Mapping
+from typing import Final
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.node import Node
+
+from fuzzy_map_building.ros import names, qos
+from fuzzy_map_building.ros.clock import create_steady_timer
+
+__all__ = ["Diagnostics"]
+
+#: Time between two messages [s of wall time]; a standing /clock must not silence them.
+PERIOD: Final = 1.0
+#: Least time between two log lines about the same kind of refusal [s of wall time].
+LOG_PERIOD: Final = 5.0
+
+
+class Diagnostics:
+    """Counts refusals by reason and publishes them with the node's own values.
+
+    The status is named after the node. Its level is OK when nothing was refused in the
+    last period and `problem` names none, WARN otherwise.
+
+    Parameters
+    ----------
+    node : Node
+        Whose status this is.
+    values : callable, optional
+        Returns what else to publish, called once a period; values are shown as text.
+    problem : callable, optional
+        Returns why the node cannot do its work now, or '' when it can.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        values: Callable[[], Mapping[str, object]] | None = None,
+        problem: Callable[[], str] | None = None,
+    ) -> None:
+        self._node = node
+        self._values = values
+        self._problem = problem
+        self._counts: Counter[str] = Counter()
+        self._new = 0
+        self._last = ""
+        self._next_log: dict[str, float] = {}
+        self._publisher = node.create_publisher(DiagnosticArray, names.DIAGNOSTICS, qos.RELIABLE)
+        self._timer = create_steady_timer(node, PERIOD, self.publish)
+
+    @property
+    def counts(self) -> Mapping[str, int]:
+        """Number of refusals by ``<source>.<reason>``."""
+        return dict(self._counts)
+
+    def reject(self, source: str, reason: str, message: str, count: int = 1) -> None:
+        """Count refused input and log it, at most one line in `LOG_PERIOD` of each kind.
+
+        Parameters
+        ----------
+        source : str
+            Topic, service, action or parameter that the input came by.
+        reason : str
+            One or two words that name the kind, e.g. ``unknown_frame``.
+        message : str
+            The sentence for the log: what was refused, why, and what to do.
+        count : int
+            How many at once.
+        """
+        if count < 1:
+            return
+        key = f"{source}.{reason}"
+        self._counts[key] += count
+        self._new += count
+        self._last = f"{source}: {message}"
+        now = time.monotonic()
+        if now >= self._next_log.get(key, 0.0):
+            self._next_log[key] = now + LOG_PERIOD
+            self._node.get_logger().warning(f"{self._last} ({self._counts[key]} so far)")
+
+    def publish(self) -> None:
+        """Publish the status now."""
+        status = DiagnosticStatus(name=self._node.get_name(), level=DiagnosticStatus.OK)
+        problem = self._problem() if self._problem is not None else ""
+        if self._new:
+            status.level = DiagnosticStatus.WARN
+            status.message = f"{self._new} refused, last: {self._last}"
+            self._new = 0
+        if problem:
+            status.level = DiagnosticStatus.WARN
+            status.message = problem
+        status.message = status.message or "ok"
+        values = dict(self._values()) if self._values is not None else {}
+        values.update((f"rejected.{key}", n) for key, n in sorted(self._counts.items()))
+        status.values = [KeyValue(key=key, value=str(value)) for key, value in values.items()]
+        array = DiagnosticArray(status=[status])
+        array.header.stamp = self._node.get_clock().now().to_msg()
+        self._publisher.publish(array)

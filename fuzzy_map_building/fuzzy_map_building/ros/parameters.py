@@ -1,0 +1,231 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""ROS parameters from the one declaration in a package's ``params.py``.
+
+In a node's constructor::
+
+    self._parameters = declare_parameters(
+        self, mapper_parameters, PRESETS, on_change=self._use_parameters
+    )
+    self._parameters.values  # the frozen dataclass that is valid now
+
+Every field becomes a ROS parameter with its dotted name, description, unit and range, and
+``preset`` chooses where the values that are not given come from. A name that does not
+exist, in a YAML file or on the command line, and a value that must not be, end the start
+(`ParameterError`, which `run.spin_node` turns into one line and exit code 2). While the
+node runs every change is checked as a whole, cross-checks included, before it is taken.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, Final, Generic, TypeVar
+
+from rcl_interfaces.msg import (
+    FloatingPointRange,
+    IntegerRange,
+    ParameterDescriptor,
+    SetParametersResult,
+)
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from fuzzy_map_building.parameter_schema import (
+    ParameterError,
+    ParameterInfo,
+    describe,
+    flatten,
+    from_mapping,
+    suggest,
+)
+
+__all__ = ["PRESET", "NodeParameters", "declare_parameters"]
+
+T = TypeVar("T")
+
+#: Name of the parameter that chooses the preset.
+PRESET: Final = "preset"
+#: Preset of the paper's navigation experiments.
+DEFAULT_PRESET: Final = "oriolo1998"
+#: Overrides that rclpy itself looks up, by prefix.
+_RCLPY_PREFIX: Final = "qos_overrides."
+_INTEGER_LIMIT: Final = 2**63 - 1
+_SCALARS: Final = {
+    bool: Parameter.Type.BOOL,
+    int: Parameter.Type.INTEGER,
+    float: Parameter.Type.DOUBLE,
+    str: Parameter.Type.STRING,
+}
+_ARRAYS: Final = {
+    bool: Parameter.Type.BOOL_ARRAY,
+    int: Parameter.Type.INTEGER_ARRAY,
+    float: Parameter.Type.DOUBLE_ARRAY,
+    str: Parameter.Type.STRING_ARRAY,
+}
+
+
+class NodeParameters(Generic[T]):
+    """The parameters of a node that are valid now.
+
+    Attributes
+    ----------
+    values : dataclass instance
+        Replaced as a whole when a parameter changes.
+    """
+
+    def __init__(self, values: T, on_change: Callable[[T], None] | None) -> None:
+        self.values = values
+        self._on_change = on_change
+        self._infos = describe(type(values))
+
+    def convert(self, parameters: Iterable[Parameter]) -> list[Parameter]:
+        """Return the parameters with whole numbers made floats where floats belong.
+
+        rclpy refuses ``1`` for a parameter of type double; people write it all the time.
+        """
+        return [self._converted(p) for p in parameters]
+
+    def _converted(self, parameter: Parameter) -> Parameter:
+        info = self._infos.get(parameter.name)
+        if info is None:
+            return parameter
+        kind, value = parameter.type_, parameter.value
+        if info.is_sequence and kind.name.endswith("_ARRAY") and len(value) == 0:
+            return Parameter(parameter.name, _type_of(info), [])
+        if info.type is float and kind is Parameter.Type.INTEGER and not info.is_sequence:
+            return Parameter(parameter.name, Parameter.Type.DOUBLE, float(value))
+        if info.type is float and kind is Parameter.Type.INTEGER_ARRAY and info.is_sequence:
+            return Parameter(
+                parameter.name, Parameter.Type.DOUBLE_ARRAY, [float(v) for v in value]
+            )
+        return parameter
+
+    def check(self, parameters: Iterable[Parameter]) -> SetParametersResult:
+        """Return whether the node may take the changed parameters, and why not."""
+        try:
+            self._changed(parameters)
+        except ValueError as error:
+            return SetParametersResult(successful=False, reason=str(error))
+        return SetParametersResult(successful=True)
+
+    def apply(self, parameters: Iterable[Parameter]) -> None:
+        """Take changed parameters that `check` has passed."""
+        changed = self._changed(parameters)
+        if changed == self.values:
+            return
+        self.values = changed
+        if self._on_change is not None:
+            self._on_change(changed)
+
+    def _changed(self, parameters: Iterable[Parameter]) -> T:
+        changes = {p.name: p.value for p in parameters if p.name in self._infos}
+        return from_mapping(self.values, changes) if changes else self.values
+
+
+def declare_parameters(
+    node: Node,
+    factory: Callable[[str, Mapping[str, Any]], T],
+    presets: Iterable[str] = (),
+    *,
+    default_preset: str = DEFAULT_PRESET,
+    on_change: Callable[[T], None] | None = None,
+) -> NodeParameters[T]:
+    """Declare every parameter of a dataclass on a node.
+
+    Parameters
+    ----------
+    node : Node
+        Parameters that it declared before are left alone, and are known names.
+    factory : callable
+        ``factory(preset, overrides)`` returns the frozen parameter dataclass or raises
+        `ParameterError`. For a dataclass without presets:
+        ``lambda _, overrides: from_mapping(SimulatorParameters(), overrides)``.
+    presets : iterable of str
+        Names of the presets. None: no parameter ``preset`` is declared, and `factory`
+        is called with `default_preset`.
+    default_preset : str
+        The preset used when none is given.
+    on_change : callable, optional
+        Called with the new dataclass after a change at run time was accepted. To refuse a
+        change, declare the parameter ``read_only`` or check it in the dataclass.
+
+    Returns
+    -------
+    NodeParameters
+        ``.values`` is the dataclass valid now.
+
+    Raises
+    ------
+    ParameterError
+        For an unknown name or a refused value among the overrides.
+    """
+    # rclpy offers the overrides of undeclared parameters in no other way.
+    given = {
+        name: parameter.value
+        for name, parameter in node._parameter_overrides.items()
+        if not node.has_parameter(name) and not name.startswith(_RCLPY_PREFIX)
+    }
+    names = tuple(presets)
+    preset = given.pop(PRESET, default_preset) if names else default_preset
+    if names and preset not in names:
+        raise ParameterError(f"unknown preset {preset!r}{suggest(str(preset), names)}")
+    parameters = NodeParameters(factory(preset, given), on_change)
+    if names:
+        node.declare_parameter(PRESET, preset, _preset_descriptor(names), ignore_override=True)
+    values = flatten(parameters.values)
+    for name, info in describe(type(parameters.values)).items():
+        value = list(values[name]) if info.is_sequence else values[name]
+        node.declare_parameter(name, value, _descriptor(info, value), ignore_override=True)
+    node.add_pre_set_parameters_callback(parameters.convert)
+    node.add_on_set_parameters_callback(parameters.check)
+    node.add_post_set_parameters_callback(parameters.apply)
+    return parameters
+
+
+def _type_of(info: ParameterInfo) -> Parameter.Type:
+    return (_ARRAYS if info.is_sequence else _SCALARS)[info.type]
+
+
+def _preset_descriptor(names: tuple[str, ...]) -> ParameterDescriptor:
+    return ParameterDescriptor(
+        description="set of values that all parameters not given are taken from",
+        additional_constraints="one of " + ", ".join(names),
+        read_only=True,
+    )
+
+
+def _descriptor(info: ParameterInfo, value: Any) -> ParameterDescriptor:
+    """Return what ROS tools show of a parameter, and the range that rclpy enforces."""
+    unit = f" [{info.unit}]" if info.unit else ""
+    source = f" ({info.source})" if info.source else ""
+    descriptor = ParameterDescriptor(
+        description=f"{info.doc}{unit}{source}",
+        additional_constraints=_constraints(info),
+        read_only=info.read_only,
+        # ROS infers a type from the elements, which an empty list has not.
+        dynamic_typing=info.is_sequence and not value,
+    )
+    # A range with one open end would show as a slider over all floats: the schema checks it.
+    if info.minimum is None or info.maximum is None:
+        return descriptor
+    if info.type is float:
+        descriptor.floating_point_range = [
+            FloatingPointRange(from_value=float(info.minimum), to_value=float(info.maximum))
+        ]
+    elif info.type is int:
+        low, high = (
+            max(-_INTEGER_LIMIT, min(_INTEGER_LIMIT, int(v))) for v in (info.minimum, info.maximum)
+        )
+        descriptor.integer_range = [IntegerRange(from_value=low, to_value=high, step=1)]
+    return descriptor
+
+
+def _constraints(info: ParameterInfo) -> str:
+    if info.choices:
+        return "one of " + ", ".join(repr(choice) for choice in info.choices)
+    bounds = []
+    if info.minimum is not None:
+        bounds.append(f"at least {info.minimum}")
+    if info.maximum is not None:
+        bounds.append(f"at most {info.maximum}")
+    return (("each " if info.is_sequence else "") + ", ".join(bounds)) if bounds else ""
