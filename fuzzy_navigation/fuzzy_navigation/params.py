@@ -183,13 +183,6 @@ class FollowerParameters:
     angular_acceleration: float = parameter(
         2.0, doc="largest change of the turning rate", unit="rad/s^2", minimum=0.01, maximum=50.0
     )
-    lookahead: float = parameter(
-        0.15,
-        doc="distance along the path at which the robot aims",
-        unit="m",
-        minimum=0.01,
-        maximum=2.0,
-    )
     max_deviation: float = parameter(
         0.05,
         doc="largest distance from the path; half a cell",
@@ -198,8 +191,9 @@ class FollowerParameters:
         maximum=1.0,
     )
     turn_in_place: float = parameter(
-        math.radians(45.0),
-        doc="heading error beyond which the robot turns on the spot first",
+        math.radians(30.0),
+        doc="heading error beyond which a robot on its way stops and turns on the spot; before it "
+        "sets out it always does",
         unit="rad",
         minimum=0.05,
         maximum=math.pi,
@@ -284,6 +278,14 @@ class TimeoutParameters:
     build_map: float = parameter(
         60.0, doc="wait for a perception to end", unit="s", minimum=0.1, maximum=3600.0
     )
+    lost: float = parameter(
+        10.0,
+        doc="how long the robot stands and waits for lost poses or infrared readings before the "
+        "mission fails",
+        unit="s",
+        minimum=0.1,
+        maximum=3600.0,
+    )
 
     def __post_init__(self) -> None:
         validate(self)
@@ -323,11 +325,26 @@ class MotionParameters:
         minimum=1,
         maximum=100_000,
     )
+    attempts: int = parameter(
+        3,
+        doc="how often in a row a perception or a plan may fail before the mission does",
+        minimum=1,
+        maximum=1000,
+    )
+    believed_free_alpha: float = parameter(
+        0.6,
+        doc="rung of the planner's ladder up to which a path leads through cells that are not "
+        "believed occupied: no progress on such paths is a livelock, on riskier ones the goal is "
+        "unreachable",
+        minimum=0.0,
+        maximum=1.0,
+        source="paper, section V",
+    )
     goal_tolerance: float = parameter(
         0.3,
         doc="distance from the goal that counts as reached",
         unit="m",
-        minimum=0.0,
+        minimum=0.02,
         maximum=10.0,
     )
     clearance: ClearanceParameters = field(default_factory=ClearanceParameters)
