@@ -202,7 +202,18 @@ class GridGeometry:
         cells[inside] = np.floor(fraction[inside])[:, ::-1]
         return cells, inside
 
-    def centres(self, window: Window | None = None) -> tuple[NDArray, NDArray]:
+    def centre_coordinates(
+        self, row: NDArray[np.int64], column: NDArray[np.int64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the centres (x, y) [m] of many cells, given by arrays of one shape."""
+        return (
+            self.origin[0] + (column + 0.5) * self.resolution,
+            self.origin[1] + (row + 0.5) * self.resolution,
+        )
+
+    def centres(
+        self, window: Window | None = None
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return the coordinates of cell centres along each axis.
 
         Returns
@@ -232,3 +243,28 @@ class GridGeometry:
         row0, row1 = clip(y - radius - self.origin[1], y + radius - self.origin[1], self.height)
         col0, col1 = clip(x - radius - self.origin[0], x + radius - self.origin[0], self.width)
         return Window(row0, row1, col0, col1)
+
+    def boxes(
+        self, low: NDArray[np.float64], high: NDArray[np.float64]
+    ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Return the cells that many axis-parallel boxes touch, clipped to the grid.
+
+        Parameters
+        ----------
+        low, high : ndarray of float64, shape (n, 2)
+            Corners (x, y) [m] of each box, both belonging to it.
+
+        Returns
+        -------
+        first, last : ndarray of int64, shape (n, 2)
+            Rows and columns [first, last) of each box, ``last <= first`` for a box that
+            lies outside the grid.
+        """
+        counts = np.array(self.shape)
+        # Clipped before they become whole numbers: far corners overflow an integer.
+        first = np.floor((low - self.origin) / self.resolution)[:, ::-1]
+        last = np.floor((high - self.origin) / self.resolution)[:, ::-1] + 1.0
+        return (
+            np.clip(first, 0, counts).astype(np.int64),
+            np.clip(last, 0, counts).astype(np.int64),
+        )

@@ -1,3 +1,3 @@
 # Copyright 2026 The fuzzy navigation maintainers
 # SPDX-License-Identifier: Apache-2.0
-"""Rules that fuse the evidence of a packet into a global belief."""
+"""Theories of evidence: one module a fusion rule, all behind one small protocol."""

@@ -1,0 +1,222 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""FuzzyMapper: a packet of readings in, the motion map and the planning map out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzy_map_building.evidence.fuzzy import FuzzyFusion
+from fuzzy_map_building.evidence.protocols import EvidenceSource, FusionRule, LocalEvidence
+from fuzzy_map_building.grid import GridGeometry, Window
+from fuzzy_map_building.map_state import MapState
+from fuzzy_map_building.params import MapperParameters
+from fuzzy_map_building.sonar_model import SonarModel
+from fuzzy_map_building.types import RangeReading, SonarReading
+
+__all__ = ["FuzzyMapper", "UpdateReport"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class UpdateReport:
+    """What an update did.
+
+    Attributes
+    ----------
+    accepted : int
+        Readings that gave evidence; 0: the map is as it was.
+    rejected : dict of str to int
+        Readings that did not, by reason: ``nan``, ``out_of_range``, ``lost_echo``,
+        ``outside_map``, ``no_model`` (a kind of reading that no sensor model takes).
+    window : Window
+        Cells that may have changed.
+    """
+
+    accepted: int
+    rejected: dict[str, int]
+    window: Window
+
+
+class FuzzyMapper:
+    """Belief of empty and of occupied for every cell, and the risk maps they stand for.
+
+    Parameters
+    ----------
+    geometry : GridGeometry
+        The cells of the map.
+    parameters : MapperParameters, optional
+        Sensors, evidence and fusion.
+
+    Examples
+    --------
+    >>> from fuzzy_map_building.types import Pose2
+    >>> mapper = FuzzyMapper(GridGeometry(76, 63, 0.1))
+    >>> ahead = SonarReading(Pose2(1.25, 5.25), bearing=0.0, range=2.0)
+    >>> mapper.update([ahead]).accepted
+    1
+    >>> float(mapper.empty[52, 15]), float(mapper.motion_risk[0, 0])
+    (0.4, 1.0)
+    """
+
+    def __init__(self, geometry: GridGeometry, parameters: MapperParameters | None = None) -> None:
+        p = parameters if parameters is not None else MapperParameters()
+        self._geometry = geometry
+        self._parameters = p
+        self._sonar: EvidenceSource = SonarModel(p.sonar, p.evidence)
+        self._rule: FusionRule = FuzzyFusion(p.evidence, p.fusion)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything: nothing is believed of any cell."""
+        shape = self._geometry.shape
+        self._empty = np.zeros(shape)
+        self._occupied = np.zeros(shape)
+        self._count = np.zeros(shape, dtype=np.int32)
+        # Unexplored is a risk for motion and none for planning, as (12) and (13) have it.
+        self._motion_risk = np.ones(shape)
+        self._planning_risk = np.zeros(shape)
+        self._perceptions = 0
+
+    @property
+    def geometry(self) -> GridGeometry:
+        """Where the cells of the map lie."""
+        return self._geometry
+
+    @property
+    def parameters(self) -> MapperParameters:
+        """The parameters of the mapper."""
+        return self._parameters
+
+    @property
+    def empty(self) -> FloatArray:
+        """Belief E that a cell is empty, in [0, 1], shape (height, width), read-only."""
+        return _read_only(self._empty)
+
+    @property
+    def occupied(self) -> FloatArray:
+        """Belief O that a cell is occupied, in [0, 1], shape (height, width), read-only."""
+        return _read_only(self._occupied)
+
+    @property
+    def motion_risk(self) -> FloatArray:
+        """Motion map M_m in [0, 1], 1 where unexplored, shape (height, width), read-only."""
+        return _read_only(self._motion_risk)
+
+    @property
+    def planning_risk(self) -> FloatArray:
+        """Planning map M_p in [0, 1], 0 where unexplored, shape (height, width), read-only."""
+        return _read_only(self._planning_risk)
+
+    @property
+    def count(self) -> NDArray[np.int32]:
+        """Number N of perceptions that spoke of each cell, shape (height, width), read-only."""
+        view = self._count.view()
+        view.flags.writeable = False
+        return view
+
+    @property
+    def perceptions(self) -> int:
+        """Number of packets that gave evidence."""
+        return self._perceptions
+
+    def update(self, readings: Sequence[RangeReading]) -> UpdateReport:
+        """Fuse one packet of readings: processing and fusion, (1)-(13).
+
+        The packet is one perception: its readings are united, then enter the map at once.
+        A packet without a usable reading changes nothing and counts as no perception.
+
+        Parameters
+        ----------
+        readings : sequence of RangeReading
+            Each placed at the pose that it was taken from, in any order.
+
+        Returns
+        -------
+        UpdateReport
+            What was accepted and what was rejected why.
+
+        Raises
+        ------
+        ValueError
+            If an element is no RangeReading. The map is then as it was.
+        """
+        for number, reading in enumerate(readings):
+            if not isinstance(reading, RangeReading):
+                raise ValueError(
+                    f"reading {number} of the packet is a {type(reading).__name__}, not a "
+                    f"RangeReading; the map was not changed"
+                )
+        sonar = [reading for reading in readings if isinstance(reading, SonarReading)]
+        local = self._sonar.evidence(sonar, self._geometry)
+        rejected = dict(local.rejected)
+        if len(sonar) < len(readings):
+            rejected["no_model"] = len(readings) - len(sonar)
+        if local.accepted == 0:
+            return UpdateReport(0, rejected, local.window)
+        self._fuse(local)
+        return UpdateReport(local.accepted, rejected, local.window)
+
+    def _fuse(self, local: LocalEvidence) -> None:
+        """Let evidence enter the map, only in the cells of which it speaks."""
+        # "The number of perceptions that have involved cell C": those with evidence of it.
+        spoken = (local.empty > 0.0) | (local.occupied > 0.0)
+        window = local.window.slices
+        count = self._count[window][spoken] + np.int32(1)
+        empty, occupied = self._rule.fuse(
+            self._empty[window][spoken],
+            self._occupied[window][spoken],
+            count,
+            local.empty[spoken],
+            local.occupied[spoken],
+        )
+        motion, planning = self._rule.risks(empty, occupied)
+        # Everything is computed; from here on nothing can fail half-way.
+        self._count[window][spoken] = count
+        self._empty[window][spoken] = empty
+        self._occupied[window][spoken] = occupied
+        self._motion_risk[window][spoken] = motion
+        self._planning_risk[window][spoken] = planning
+        self._perceptions += 1
+
+    def state(self) -> MapState:
+        """Return a copy of all that the mapper remembers."""
+        return MapState(
+            self._geometry,
+            self._empty.copy(),
+            self._occupied.copy(),
+            self._count.copy(),
+            self._perceptions,
+        )
+
+    def restore(self, state: MapState) -> None:
+        """Take over a state; the risk maps follow from it exactly.
+
+        Raises
+        ------
+        ValueError
+            If the state is of another grid. The map is then as it was.
+        """
+        if state.geometry != self._geometry:
+            raise ValueError(
+                f"the state is of the grid {state.geometry}, this map of {self._geometry}; "
+                f"start the mapper with the area and resolution of the saved map"
+            )
+        motion, planning = self._rule.risks(state.empty, state.occupied)
+        self._empty = state.empty.copy()
+        self._occupied = state.occupied.copy()
+        self._count = state.count.copy()
+        self._motion_risk = motion
+        self._planning_risk = planning
+        self._perceptions = state.perceptions
+
+
+def _read_only(array: FloatArray) -> FloatArray:
+    view = array.view()
+    view.flags.writeable = False
+    return view
