@@ -1,0 +1,55 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""Compilation of kernels where numba is present; the same Python source where it is not.
+
+A kernel is a function decorated with `njit`. Without numba, or with the environment
+variable ``NUMBA_DISABLE_JIT=1``, it stays plain Python: slower, with the same results.
+
+Compiled code is kept on disk, in ``NUMBA_CACHE_DIR`` if that is set, else beside the
+source, else in the user's cache folder. Where none of these can be written (a read-only
+installation, a service without a home), the code is compiled anew by each process.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+try:
+    import numba
+except ImportError:  # not installed, or not for this numpy
+    numba = None
+
+__all__ = ["compiled", "njit"]
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def compiled() -> bool:
+    """Whether kernels run as machine code."""
+    return numba is not None and not numba.config.DISABLE_JIT
+
+
+def njit(function: F) -> F:
+    """Compile a kernel at its first call, for the argument types of that call.
+
+    The global interpreter lock is released while the kernel runs. Compiling takes
+    seconds: each module with kernels has a ``warm_up()`` to call before work begins.
+
+    Parameters
+    ----------
+    function : callable
+        Loops over numpy arrays, in the part of Python that numba knows.
+
+    Returns
+    -------
+    callable
+        The compiled kernel, or `function` itself without numba.
+    """
+    if not compiled():
+        return function
+    try:
+        kernel: F = numba.njit(cache=True, nogil=True)(function)
+    except RuntimeError:  # numba: "no locator available", there is nowhere to write a cache
+        kernel = numba.njit(nogil=True)(function)
+    return kernel

@@ -1,0 +1,374 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""From a planning map and positions in metres to a path of poses.
+
+The planner augments the map, walks up the ladder of alpha-cuts until a path exists, and
+chooses where near the goal the path ends. Sections are those of Oriolo, Ulivi,
+Vendittelli, IEEE Trans. SMC-B 28(3), 1998.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from enum import IntEnum
+
+import numpy as np
+from fuzzy_map_building.grid import GridGeometry
+from fuzzy_map_building.types import Pose2
+from numpy.typing import ArrayLike, NDArray
+from scipy import ndimage
+
+from fuzzy_navigation.params import PlannerParameters
+from fuzzy_navigation.risk import augment, checked_risk, path_risks
+from fuzzy_navigation.search import COSTS, admissible_cells, find_path
+
+__all__ = ["PlanResult", "PlanStatus", "Planner", "RiskLayer"]
+
+# Adjacency where neither request nor parameters say (section IV-A2).
+_ADJACENCY = {"g1": 8, "g2": 8, "g3": 4}
+# Decimals that survive a float32 message: an alpha of 0.7 must not arrive as 0.69999999.
+_DECIMALS = 6
+
+
+class PlanStatus(IntEnum):
+    """Outcome of a request, with the numbers of ``PlanPath.srv``."""
+
+    FOUND = 0
+    NO_PATH = 1
+    START_OUTSIDE = 2
+    GOAL_OUTSIDE = 3
+    NO_MAP = 4
+    BAD_REQUEST = 5
+
+
+@dataclass(frozen=True)
+class RiskLayer:
+    """A second layer of risk over the augmented planning map, for one request.
+
+    Parameters
+    ----------
+    cut : array_like, shape (H, W)
+        A cell is admissible by the larger of its risk and this; may exceed 1.
+    cost : array_like, shape (H, W)
+        A path pays the larger of a cell's risk and this, in [0, 1].
+    """
+
+    cut: ArrayLike
+    cost: ArrayLike
+
+
+@dataclass(frozen=True)
+class PlanResult:
+    """Answer to a request.
+
+    Parameters
+    ----------
+    status : PlanStatus
+        What came of it.
+    message : str
+        The same in words: what happened, where, and what can be done.
+    path : ndarray of int64, shape (n, 2)
+        Cells (row, column), start and goal included; n = 0 unless found.
+    poses : tuple of Pose2
+        Centres of the path's cells [m], each heading to the next [rad].
+    g1, g2, g3 : float
+        Costs of the path on M_p^a + epsilon; infinite unless found.
+    alpha : float
+        Rung that the path was found on, else the last one that was tried; 0 if none was.
+    expanded : int
+        Number of cells expanded.
+    """
+
+    status: PlanStatus
+    message: str
+    path: NDArray[np.int64] = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
+    poses: tuple[Pose2, ...] = ()
+    g1: float = math.inf
+    g2: float = math.inf
+    g3: float = math.inf
+    alpha: float = 0.0
+    expanded: int = 0
+
+
+class Planner:
+    """Plans paths of least risk on the newest planning map.
+
+    Parameters
+    ----------
+    geometry : GridGeometry
+        Where the map's cells lie.
+    parameters : PlannerParameters, optional
+        Costs, cuts and the robot's size.
+
+    Examples
+    --------
+    >>> planner = Planner(GridGeometry(20, 10, 0.1))
+    >>> planner.set_map(np.zeros((10, 20)))
+    >>> result = planner.plan(Pose2(0.55, 0.55), (1.45, 0.55))
+    >>> result.status.name, len(result.poses), result.alpha
+    ('FOUND', 10, 0.6)
+    """
+
+    def __init__(
+        self, geometry: GridGeometry, parameters: PlannerParameters | None = None
+    ) -> None:
+        self.geometry = geometry
+        self.parameters = parameters if parameters is not None else PlannerParameters()
+        self._risk: NDArray[np.float64] | None = None
+        self._barred: NDArray[np.bool_] | None = None
+
+    @property
+    def augmented_risk(self) -> NDArray[np.float64] | None:
+        """The augmented planning map M_p^a, shape (H, W), read-only; None without a map."""
+        return self._risk
+
+    def set_map(self, planning_risk: ArrayLike, barred: ArrayLike | None = None) -> None:
+        """Take a new planning map.
+
+        Parameters
+        ----------
+        planning_risk : array_like, shape (H, W)
+            M_p, not augmented.
+        barred : array_like of bool, shape (H, W), optional
+            Cells that no path may enter, such as the unexplored ones of a finished map.
+
+        Raises
+        ------
+        ValueError
+            If shape or values are wrong; the map before stays.
+        """
+        values = checked_risk(planning_risk, "the planning map")
+        if values.shape != self.geometry.shape:
+            raise ValueError(
+                f"the planning map has {values.shape} (rows, columns), "
+                f"but the planner's area has {self.geometry.shape}"
+            )
+        bars: NDArray[np.bool_] | None = None
+        if barred is not None:
+            bars = np.array(barred)
+            if bars.dtype != np.bool_ or bars.shape != self.geometry.shape:
+                raise ValueError(
+                    f"barred must be an array of bool of shape {self.geometry.shape}, "
+                    f"got {bars.dtype} of shape {bars.shape}"
+                )
+        p = self.parameters
+        risk = augment(values, p.robot_radius, self.geometry.resolution, p.augmentation)
+        risk.flags.writeable = False
+        self._risk, self._barred = risk, bars
+
+    def plan(
+        self,
+        start: Pose2 | tuple[float, float],
+        goal: Pose2 | tuple[float, float],
+        cost: str | None = None,
+        alpha: float = 0.0,
+        adjacency: int = 0,
+        tolerance: float = 0.0,
+        layer: RiskLayer | None = None,
+    ) -> PlanResult:
+        """Answer a request for a path; never raises for what the request holds.
+
+        Parameters
+        ----------
+        start, goal : Pose2 or tuple of float
+            Positions (x, y) [m]. The start's cell counts as admissible.
+        cost : {"g1", "g2", "g3"}, optional
+            What the path minimises; the planner's parameter if not given.
+        alpha : float
+            Largest admissible risk, used alone; 0: the ladder of the parameters.
+        adjacency : {0, 4, 8}
+            Neighbours of a cell; 0: the planner's parameter.
+        tolerance : float
+            Distance [m] from the goal within which the path may end, at the nearest
+            admissible cell that can be reached; 0: the planner's parameter. The cell
+            that holds the goal always counts as within.
+        layer : RiskLayer, optional
+            Risks that come on top of the map's.
+
+        Returns
+        -------
+        PlanResult
+        """
+        p = self.parameters
+        try:
+            start_xy, goal_xy = _position(start, "start"), _position(goal, "goal")
+            cost = p.cost if cost is None else cost
+            if cost not in COSTS:
+                raise ValueError(f"cost must be one of {', '.join(COSTS)}, got {cost!r}")
+            rungs = self._rungs(alpha)
+            adjacency = self._adjacency(cost, adjacency)
+            if not (math.isfinite(tolerance) and tolerance >= 0.0):
+                raise ValueError(f"tolerance must be finite and not negative [m], got {tolerance}")
+            tolerance = round(float(tolerance), _DECIMALS) or p.tolerance
+            if self._risk is None:
+                return PlanResult(
+                    PlanStatus.NO_MAP,
+                    "no planning map has arrived yet; build or load a map, then ask again",
+                )
+            cut, paid = self._layered(self._risk, layer)
+        except (TypeError, ValueError) as error:
+            return PlanResult(PlanStatus.BAD_REQUEST, f"request refused: {error}")
+        for name, xy, status in (
+            ("start", start_xy, PlanStatus.START_OUTSIDE),
+            ("goal", goal_xy, PlanStatus.GOAL_OUTSIDE),
+        ):
+            if not self.geometry.contains(*xy):
+                return PlanResult(status, self._outside(name, xy))
+
+        first = self.geometry.cell_of(*start_xy)
+        candidates = self._goal_cells(goal_xy, tolerance)
+        corner_cutting = p.corner_cutting
+        admissible_near_goal = False
+        expanded = 0
+        for rung in rungs:
+            admissible = admissible_cells(cut, rung, self._barred)
+            admissible[first] = True
+            admissible_near_goal = bool(admissible[candidates[:, 0], candidates[:, 1]].any())
+            last = _nearest_reachable(
+                admissible, first, candidates, eight=adjacency == 8 and corner_cutting
+            )
+            if last is None:
+                continue
+            found = find_path(
+                paid,
+                first,
+                last,
+                cost,
+                rung,
+                adjacency,
+                epsilon=p.epsilon,
+                diagonal=p.diagonal,
+                corner_cutting=corner_cutting,
+                cut=cut,
+                barred=self._barred,
+            )
+            expanded += found.expanded
+            costs = path_risks(self._risk + p.epsilon, found.path, p.diagonal)
+            message = f"path of {len(found.path)} cells at alpha {rung:g}"
+            return PlanResult(
+                PlanStatus.FOUND,
+                message,
+                found.path,
+                self._poses(found.path, start),
+                *costs,
+                rung,
+                expanded,
+            )
+        return PlanResult(
+            PlanStatus.NO_PATH,
+            self._no_path(start_xy, goal_xy, tolerance, rungs[-1], admissible_near_goal),
+            alpha=rungs[-1],
+            expanded=expanded,
+        )
+
+    def _rungs(self, alpha: float) -> Sequence[float]:
+        """Return the alphas to try, in order."""
+        if not 0.0 <= alpha <= 1.0:
+            raise ValueError(f"alpha must lie in [0, 1], 0 for the ladder, got {alpha}")
+        rounded = round(float(alpha), _DECIMALS)
+        return (rounded,) if rounded > 0.0 else self.parameters.alpha_ladder
+
+    def _adjacency(self, cost: str, adjacency: int) -> int:
+        if adjacency not in (0, 4, 8):
+            raise ValueError(f"adjacency must be 0, 4 or 8, got {adjacency!r}")
+        return int(adjacency) or self.parameters.adjacency or _ADJACENCY[cost]
+
+    def _layered(
+        self, risk: NDArray[np.float64], layer: RiskLayer | None
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the risks that decide admission, and those that paths pay."""
+        if layer is None:
+            return risk, risk
+        cut = np.asarray(layer.cut, dtype=np.float64)
+        cost = checked_risk(layer.cost, "the cost of the risk layer")
+        for name, values in (("cut", cut), ("cost", cost)):
+            if values.shape != risk.shape:
+                raise ValueError(
+                    f"the {name} of the risk layer has {values.shape} (rows, columns), "
+                    f"but the map has {risk.shape}"
+                )
+        if not cut.min() >= 0.0:
+            raise ValueError("the cut of the risk layer must not hold NaN or negative values")
+        return np.maximum(risk, cut), np.maximum(risk, cost)
+
+    def _goal_cells(self, goal: tuple[float, float], tolerance: float) -> NDArray[np.int64]:
+        """Return the cells where a path may end, nearest first, shape (n, 2)."""
+        geometry = self.geometry
+        window = geometry.window(*goal, tolerance + geometry.resolution)
+        x, y = geometry.centres(window)
+        distance = np.hypot(x[None, :] - goal[0], y[:, None] - goal[1])
+        row, column = geometry.cell_of(*goal)
+        # A millionth of a cell: centres at exactly the tolerance count.
+        within = distance <= tolerance + 1e-6 * geometry.resolution
+        within[row - window.row0, column - window.col0] = True
+        cells = np.argwhere(within)
+        # Stable: equal distances keep the order of rows, then columns.
+        order = np.argsort(distance[within].round(9), kind="stable")
+        out: NDArray[np.int64] = cells[order] + (window.row0, window.col0)
+        return out
+
+    def _poses(
+        self, path: NDArray[np.int64], start: Pose2 | tuple[float, float]
+    ) -> tuple[Pose2, ...]:
+        """Return the cells' centres, each heading to the next, the last as the one before."""
+        heading = start.theta if isinstance(start, Pose2) else 0.0
+        steps = np.diff(path, axis=0)
+        headings = [math.atan2(row, column) for row, column in steps.tolist()]
+        headings.append(headings[-1] if headings else heading)
+        centres = (self.geometry.centre_of(row, column) for row, column in path.tolist())
+        return tuple(Pose2(x, y, theta) for (x, y), theta in zip(centres, headings, strict=True))
+
+    def _outside(self, name: str, xy: tuple[float, float]) -> str:
+        x0, y0, x1, y1 = self.geometry.bounds
+        return (
+            f"the {name} ({xy[0]:.2f}, {xy[1]:.2f}) m lies outside the map, which covers "
+            f"x {x0:g} to {x1:g} m and y {y0:g} to {y1:g} m; choose a point inside"
+        )
+
+    def _no_path(
+        self,
+        start: tuple[float, float],
+        goal: tuple[float, float],
+        tolerance: float,
+        alpha: float,
+        admissible_near_goal: bool,
+    ) -> str:
+        where = f"({goal[0]:.2f}, {goal[1]:.2f}) m"
+        if not admissible_near_goal:
+            return (
+                f"no cell within {tolerance:g} m of the goal {where} has a risk of at most "
+                f"{alpha:g}: an obstacle stands there; choose another goal or a larger tolerance"
+            )
+        return (
+            f"no path from ({start[0]:.2f}, {start[1]:.2f}) m to the goal {where}: cells with a "
+            f"risk above {alpha:g} lie between them; explore further or allow a larger alpha"
+        )
+
+
+def _position(value: Pose2 | tuple[float, float], name: str) -> tuple[float, float]:
+    """Return (x, y) [m], finite."""
+    x, y = (value.x, value.y) if isinstance(value, Pose2) else value
+    if not (math.isfinite(x) and math.isfinite(y)):
+        raise ValueError(f"the {name} must be finite [m], got ({x}, {y})")
+    return float(x), float(y)
+
+
+def _nearest_reachable(
+    admissible: NDArray[np.bool_],
+    start: tuple[int, int],
+    candidates: NDArray[np.int64],
+    eight: bool,
+) -> tuple[int, int] | None:
+    """Return the first of `candidates` that is joined to `start`, None if none is.
+
+    Without corner cutting a diagonal step needs both cells beside it, so that cells are
+    joined exactly when they are joined by straight steps: `eight` is False then.
+    """
+    components, _ = ndimage.label(admissible, np.ones((3, 3)) if eight else None)
+    reachable = components[candidates[:, 0], candidates[:, 1]] == components[start]
+    if not reachable.any():
+        return None
+    row, column = candidates[int(np.argmax(reachable))].tolist()
+    return row, column

@@ -1,0 +1,186 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""Risk maps as planning and motion use them: augmentation, cuts, and the risk of a path.
+
+Arrays are indexed [row, column]. "Paper" is Oriolo, Ulivi, Vendittelli, IEEE Trans.
+SMC-B 28(3), 1998.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import ndimage
+
+__all__ = [
+    "DIAGONALS",
+    "alpha_cut",
+    "augment",
+    "beta_cut",
+    "checked_risk",
+    "diagonal_factor",
+    "path_risks",
+]
+
+#: Cost of a diagonal step in straight steps.
+DIAGONALS = {"unit": 1.0, "sqrt2": math.sqrt(2.0)}
+
+# Slack [cells] for lengths such as 0.3 / 0.1, which is 2.9999999999999996.
+_SLACK = 1e-6
+
+
+def checked_risk(risk: ArrayLike, name: str = "risk") -> NDArray[np.float64]:
+    """Return a map of risks as a C-contiguous array of float64, checked.
+
+    Parameters
+    ----------
+    risk : array_like, shape (H, W)
+        Risks in [0, 1].
+    name : str
+        What to call the map in messages.
+
+    Raises
+    ------
+    ValueError
+        If the map is not two-dimensional, has no cell, or holds a value that is not
+        finite or not in [0, 1].
+    """
+    values = np.ascontiguousarray(risk, dtype=np.float64)
+    if values.ndim != 2 or values.size == 0:
+        raise ValueError(
+            f"{name} must be an array of rows and columns with at least one cell, "
+            f"got shape {values.shape}"
+        )
+    if not (values.min() >= 0.0 and values.max() <= 1.0):  # a NaN fails both
+        wrong = ~((values >= 0.0) & (values <= 1.0))
+        row, column = (int(i) for i in np.argwhere(wrong)[0])
+        raise ValueError(
+            f"{name} must lie in [0, 1] everywhere, but {int(wrong.sum())} cells do not, "
+            f"the first at row {row}, column {column}: {values[row, column]}"
+        )
+    return values
+
+
+def augment(
+    risk: ArrayLike, radius: float, resolution: float, shape: str = "square"
+) -> NDArray[np.float64]:
+    """Return the largest risk under the robot's footprint centred on each cell.
+
+    Planning for a point on the augmented map is planning for the robot (paper, section
+    IV-A2). Cells outside the map have the risk 1.
+
+    Parameters
+    ----------
+    risk : array_like, shape (H, W)
+        Risks in [0, 1].
+    radius : float
+        Radius of the robot [m].
+    resolution : float
+        Side of a cell [m].
+    shape : {"square", "disc"}
+        Footprint: a square of 2 round(radius / resolution) + 1 cells, halves rounded up,
+        or the cells whose centres are no farther than `radius`.
+
+    Returns
+    -------
+    ndarray of float64, shape (H, W)
+
+    Raises
+    ------
+    ValueError
+        If an argument is out of its range.
+
+    Examples
+    --------
+    >>> risk = np.zeros((7, 7))
+    >>> risk[3, 3] = 0.5
+    >>> augment(risk, 0.1, 0.1, "disc")[1:-1, 1:-1]
+    array([[0. , 0. , 0. , 0. , 0. ],
+           [0. , 0. , 0.5, 0. , 0. ],
+           [0. , 0.5, 0.5, 0.5, 0. ],
+           [0. , 0. , 0.5, 0. , 0. ],
+           [0. , 0. , 0. , 0. , 0. ]])
+    """
+    values = checked_risk(risk)
+    if not (math.isfinite(resolution) and resolution > 0.0):
+        raise ValueError(f"resolution must be positive and finite [m], got {resolution}")
+    if not (math.isfinite(radius) and radius >= 0.0):
+        raise ValueError(f"radius must be finite and not negative [m], got {radius}")
+    # A footprint wider than the map reaches outside from everywhere: larger adds nothing.
+    cells = min(radius / resolution, float(sum(values.shape)))
+    if shape == "square":
+        half = math.floor(cells + 0.5 + _SLACK)
+        rectangles = {half: half}
+    elif shape == "disc":
+        # A disc is a union of centred rectangles, whose filters are separable and fast.
+        rectangles = {}
+        for k in range(math.floor(cells + _SLACK) + 1):
+            rectangles[math.floor(math.sqrt((cells + _SLACK) ** 2 - k * k))] = k
+    else:
+        raise ValueError(f"shape must be 'square' or 'disc', got {shape!r}")
+    filtered = (
+        ndimage.maximum_filter(values, size=(2 * k + 1, 2 * j + 1), mode="constant", cval=1.0)
+        for j, k in rectangles.items()
+    )
+    out: NDArray[np.float64] = functools.reduce(np.maximum, filtered)
+    return out
+
+
+def alpha_cut(risk: NDArray[np.float64], alpha: float) -> NDArray[np.bool_]:
+    """Return the cells admissible for planning, mu_p <= alpha (paper, section IV-A2)."""
+    return risk <= alpha
+
+
+def beta_cut(risk: NDArray[np.float64], beta: float) -> NDArray[np.bool_]:
+    """Return the cells explored well enough to move on, mu_m <= beta (paper, section IV-B)."""
+    return risk <= beta
+
+
+def path_risks(
+    mu: NDArray[np.float64], path: NDArray[np.int64], diagonal: str = "unit"
+) -> tuple[float, float, float]:
+    """Return the costs g1, g2, g3 of a path (paper, section IV-A1).
+
+    Parameters
+    ----------
+    mu : ndarray of float64, shape (H, W)
+        Risk of each cell, the constant epsilon included.
+    path : ndarray of int64, shape (n, 2)
+        Adjacent cells (row, column).
+    diagonal : {"unit", "sqrt2"}
+        Weight of a cell that is entered diagonally, in g1 and g2.
+
+    Returns
+    -------
+    g1, g2, g3 : float
+        Sum of the risks, of their squares, and the largest; the first cell included.
+
+    Raises
+    ------
+    ValueError
+        If the path has no cell or `diagonal` is unknown.
+    """
+    if len(path) == 0:
+        raise ValueError("a path has at least one cell, got none")
+    risks = mu[path[:, 0], path[:, 1]]
+    weights = np.ones(len(path))
+    steps = np.abs(np.diff(path, axis=0)).sum(axis=1)
+    weights[1:][steps == 2] = diagonal_factor(diagonal)
+    # fsum: exact however long the path.
+    return math.fsum(weights * risks), math.fsum(weights * risks**2), float(risks.max())
+
+
+def diagonal_factor(diagonal: str) -> float:
+    """Return how much more a diagonal step costs: 1 for "unit", sqrt(2) for "sqrt2".
+
+    Raises
+    ------
+    ValueError
+        For another name.
+    """
+    if diagonal not in DIAGONALS:
+        raise ValueError(f"diagonal must be one of {', '.join(DIAGONALS)}, got {diagonal!r}")
+    return DIAGONALS[diagonal]

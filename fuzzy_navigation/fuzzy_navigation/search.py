@@ -1,0 +1,247 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""Paths of least risk on an array of risks: the algorithms A1, A2 and A3.
+
+Cells are (row, column); nothing here knows metres. Equations and sections are those of
+Oriolo, Ulivi, Vendittelli, IEEE Trans. SMC-B 28(3), 1998.
+
+Ties are broken the same way on every machine. Among paths of equal cost, A1 and A2
+return the shortest (diagonal steps longer than straight ones, whatever they cost), then
+the one whose search stayed nearest to the goal, then the one of lower row and column.
+A3 prefers cells nearer to the goal, as the paper has it, then lower rows and columns.
+"""
+
+from __future__ import annotations
+
+import math
+import operator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fuzzy_navigation.kernels import best_first, trace
+from fuzzy_navigation.risk import alpha_cut, checked_risk, diagonal_factor, path_risks
+
+__all__ = ["COSTS", "SearchResult", "admissible_cells", "find_path", "warm_up"]
+
+#: Path costs, and the algorithms that minimise them: A1, A2, A3.
+COSTS = ("g1", "g2", "g3")
+
+# Below this least risk the heuristic says nothing and weights are not normalised.
+_LEAST_RISK = 1e-9
+
+
+@dataclass(frozen=True)
+class SearchResult:
+    """Outcome of a search.
+
+    Parameters
+    ----------
+    found : bool
+        Whether a path exists.
+    path : ndarray of int64, shape (n, 2)
+        Cells (row, column) from start to goal, both included; n = 0 without a path.
+    g1, g2, g3 : float
+        Sum of the risks along the path, of their squares, and the largest, epsilon
+        included; infinite without a path.
+    expanded : int
+        Number of cells expanded.
+    """
+
+    found: bool
+    path: NDArray[np.int64]
+    g1: float
+    g2: float
+    g3: float
+    expanded: int
+
+
+def find_path(
+    risk: ArrayLike,
+    start: tuple[int, int],
+    goal: tuple[int, int],
+    cost: str = "g2",
+    alpha: float = 0.6,
+    adjacency: int = 8,
+    *,
+    epsilon: float = 0.2,
+    diagonal: str = "unit",
+    corner_cutting: bool = True,
+    cut: ArrayLike | None = None,
+    barred: ArrayLike | None = None,
+) -> SearchResult:
+    """Return a path of least cost among the admissible cells.
+
+    Parameters
+    ----------
+    risk : array_like, shape (H, W)
+        Risk of each cell in [0, 1]: the planning map, augmented by the robot's size.
+        The search works on mu = risk + epsilon.
+    start, goal : tuple of int
+        (row, column). The start counts as admissible whatever its risk.
+    cost : {"g1", "g2", "g3"}
+        What to minimise: the sum of mu, the sum of its squares, or its maximum.
+    alpha : float
+        Largest risk, without epsilon, of an admissible cell [0 to 1].
+    adjacency : {4, 8}
+        Neighbours of a cell.
+    epsilon : float
+        Constant added to every risk, at least 0.
+    diagonal : {"unit", "sqrt2"}
+        Cost of a diagonal step: that of a straight one, or sqrt(2) times it. The paper's
+        is "unit". Without effect on g3.
+    corner_cutting : bool
+        Whether a diagonal step may pass beside a cell that is not admissible.
+    cut : array_like, shape (H, W), optional
+        What is compared with alpha instead of `risk`; may exceed 1.
+    barred : array_like of bool, shape (H, W), optional
+        Cells that are not admissible whatever their risk.
+
+    Returns
+    -------
+    SearchResult
+        The cost is the least there is, up to rounding.
+
+    Raises
+    ------
+    ValueError
+        Naming the argument, its value, and what is allowed.
+
+    Examples
+    --------
+    >>> risk = np.zeros((3, 4))
+    >>> risk[:2, 2] = 0.9
+    >>> find_path(risk, (0, 0), (0, 3)).path.tolist()
+    [[0, 0], [1, 1], [2, 2], [1, 3], [0, 3]]
+    """
+    values = checked_risk(risk)
+    first, last = _cell(start, values.shape, "start"), _cell(goal, values.shape, "goal")
+    _check_choice("cost", cost, COSTS)
+    _check_choice("adjacency", adjacency, (4, 8))
+    if not (math.isfinite(epsilon) and epsilon >= 0.0):
+        raise ValueError(f"epsilon must be finite and not negative, got {epsilon}")
+    factor = diagonal_factor(diagonal)
+    admissible = admissible_cells(values if cut is None else cut, alpha, barred, values.shape)
+    admissible[first] = True
+
+    mu = values + epsilon
+    if first == last:
+        path = np.array([first], dtype=np.int64)
+        return SearchResult(True, path, *path_risks(mu, path, diagonal), 0)
+    if not admissible[last]:
+        return _no_path(0)
+    weight, heuristic = _weights(mu, admissible, cost)
+    width = values.shape[1]
+    origin, target = first[0] * width + first[1], last[0] * width + last[1]
+    arrival, expanded = best_first(
+        weight,
+        origin,
+        target,
+        int(adjacency),
+        factor,
+        bool(corner_cutting),
+        cost == "g3",
+        heuristic,
+    )
+    if arrival[target] < 0:
+        return _no_path(expanded)
+    path = trace(arrival, width, origin, target)
+    return SearchResult(True, path, *path_risks(mu, path, diagonal), expanded)
+
+
+def admissible_cells(
+    cut: ArrayLike,
+    alpha: float,
+    barred: ArrayLike | None = None,
+    shape: tuple[int, int] | None = None,
+) -> NDArray[np.bool_]:
+    """Return which cells a path may enter.
+
+    Parameters
+    ----------
+    cut : array_like, shape (H, W)
+        Risks that are compared with alpha, not negative.
+    alpha : float
+        Largest admissible value [0 to 1].
+    barred : array_like of bool, shape (H, W), optional
+        Cells not admissible whatever their risk.
+    shape : tuple of int, optional
+        Shape that both arrays have to have; that of `cut` if not given.
+
+    Returns
+    -------
+    ndarray of bool, shape (H, W)
+
+    Raises
+    ------
+    ValueError
+        If alpha is not in [0, 1], or an array has the wrong shape or values.
+    """
+    if not 0.0 <= alpha <= 1.0:
+        raise ValueError(f"alpha must lie in [0, 1], got {alpha}")
+    values = np.asarray(cut, dtype=np.float64)
+    expected = values.shape if shape is None else shape
+    if values.shape != expected:
+        raise ValueError(f"cut must have the shape {expected} of the risks, got {values.shape}")
+    if not values.min() >= 0.0:  # a NaN fails
+        raise ValueError("cut must not hold NaN or negative values")
+    admissible = alpha_cut(values, alpha)
+    if barred is not None:
+        bars = np.asarray(barred)
+        if bars.dtype != np.bool_ or bars.shape != expected:
+            raise ValueError(
+                f"barred must be an array of bool of shape {expected}, "
+                f"got {bars.dtype} of shape {bars.shape}"
+            )
+        admissible &= ~bars
+    return admissible
+
+
+def warm_up() -> None:
+    """Compile the kernels, or load them from the cache, so that no later call has to."""
+    find_path(np.zeros((2, 2)), (0, 0), (1, 1))
+
+
+def _no_path(expanded: int) -> SearchResult:
+    empty = np.empty((0, 2), dtype=np.int64)
+    return SearchResult(False, empty, math.inf, math.inf, math.inf, expanded)
+
+
+def _weights(
+    mu: NDArray[np.float64], admissible: NDArray[np.bool_], cost: str
+) -> tuple[NDArray[np.float64], float]:
+    """Return the cost of entering each cell, and that of a heuristic's straight step.
+
+    A1 and A2 work on mu / mu_min and its square: a constant factor changes no path, and
+    uniform risks become exactly 1, so that sums, ties and paths are the same for both.
+    """
+    if cost == "g3":
+        return np.where(admissible, mu, np.inf), 0.0  # h = 0 (section IV-A2)
+    least = float(mu.min(where=admissible, initial=math.inf))
+    informed = least >= _LEAST_RISK
+    weight = mu / least if informed else mu.copy()
+    if cost == "g2":
+        weight *= weight
+    weight[~admissible] = np.inf
+    return weight, 1.0 if informed else 0.0
+
+
+def _cell(cell: tuple[int, int], shape: tuple[int, ...], name: str) -> tuple[int, int]:
+    """Return a cell as two plain integers, or raise ValueError."""
+    try:
+        row, column = (operator.index(i) for i in cell)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} must be two whole numbers (row, column), got {cell!r}") from None
+    if not (0 <= row < shape[0] and 0 <= column < shape[1]):
+        raise ValueError(
+            f"{name} (row {row}, column {column}) lies outside the map of "
+            f"{shape[0]} rows and {shape[1]} columns"
+        )
+    return row, column
+
+
+def _check_choice(name: str, value: object, choices: tuple[object, ...]) -> None:
+    if value not in choices:
+        allowed = ", ".join(map(str, choices))
+        raise ValueError(f"{name} must be one of {allowed}, got {value!r}")
