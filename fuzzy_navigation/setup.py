@@ -1,0 +1,31 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""Installs the package fuzzy_navigation."""
+
+from glob import glob
+
+from setuptools import find_packages, setup
+
+setup(
+    name="fuzzy_navigation",
+    version="0.1.0",
+    packages=find_packages(include=["fuzzy_navigation", "fuzzy_navigation.*"]),
+    data_files=[
+        ("share/ament_index/resource_index/packages", ["resource/fuzzy_navigation"]),
+        ("share/fuzzy_navigation", ["package.xml"]),
+        ("share/fuzzy_navigation/config", sorted(glob("config/*.yaml"))),
+    ],
+    zip_safe=True,
+    maintainer="The fuzzy navigation maintainers",
+    maintainer_email="fuzzy-navigation@example.org",
+    description="Plans paths of least risk on fuzzy maps and follows them.",
+    license="Apache-2.0",
+    extras_require={"test": ["pytest"]},
+    entry_points={
+        "console_scripts": [
+            "planner = fuzzy_navigation.ros.planner_node:main",
+            "motion = fuzzy_navigation.ros.motion_node:main",
+            "bringup = fuzzy_navigation.ros.bringup:main",
+        ],
+    },
+)

@@ -1,0 +1,32 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""Installs the package nomad_sim."""
+
+from glob import glob
+
+from setuptools import find_packages, setup
+
+setup(
+    name="nomad_sim",
+    version="0.1.0",
+    packages=find_packages(include=["nomad_sim", "nomad_sim.*"]),
+    data_files=[
+        ("share/ament_index/resource_index/packages", ["resource/nomad_sim"]),
+        ("share/nomad_sim", ["package.xml"]),
+        ("share/nomad_sim/config", sorted(glob("config/*.yaml"))),
+        ("share/nomad_sim/worlds", sorted(glob("worlds/*.yaml"))),
+    ],
+    zip_safe=True,
+    maintainer="The fuzzy navigation maintainers",
+    maintainer_email="fuzzy-navigation@example.org",
+    description="Simulates a NOMAD 200 with sonar ring, turret and infrared sensors.",
+    license="Apache-2.0",
+    extras_require={"test": ["pytest"]},
+    entry_points={
+        "console_scripts": [
+            "sim = nomad_sim.ros.sim_node:main",
+            "demo = nomad_sim.ros.demo:main",
+            "campaign = nomad_sim.campaign:main",
+        ],
+    },
+)

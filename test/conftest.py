@@ -1,0 +1,46 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""What every test stands on: its own corner of the network, repeatable draws, recorded data."""
+
+import contextlib
+import os
+from pathlib import Path
+
+import hypothesis
+import pytest
+
+hypothesis.settings.register_profile("repeatable", derandomize=True, deadline=None)
+hypothesis.settings.load_profile("repeatable")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Set ROS up before any test module imports it, for this process and those it starts."""
+    patch = pytest.MonkeyPatch()
+    config.add_cleanup(patch.undo)
+    patch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    # Message setters check their values only with this; it is read when a message is imported.
+    patch.setenv("ROS_PYTHON_CHECK_FIELDS", "1")
+    # Pictures are written to files; no test needs a screen.
+    patch.setenv("MPLBACKEND", "Agg")
+    with contextlib.suppress(ImportError):  # absent only where ROS is: the core's tests still run
+        from domain_coordinator import domain_id
+
+        reserved = contextlib.ExitStack()
+        config.add_cleanup(reserved.close)
+        # 1-100, held until the end so that no other test process on this machine takes it;
+        # tried from a place of our own because processes outside of tests reserve nothing.
+        order = iter(range(os.getpid(), os.getpid() + 100))
+        domain = reserved.enter_context(domain_id(lambda: next(order) % 100 + 1))
+        patch.setenv("ROS_DOMAIN_ID", str(domain))
+
+
+@pytest.fixture(scope="session")
+def fuzzy_nav_data() -> Path:
+    """Folder of the recorded data; the test is skipped where it is not given."""
+    folder = os.environ.get("FUZZY_NAV_DATA")
+    if not folder:
+        pytest.skip("needs recorded data: set FUZZY_NAV_DATA to their folder")
+    path = Path(folder)
+    if not path.is_dir():
+        raise FileNotFoundError(f"FUZZY_NAV_DATA is {folder!r}, which is not a folder")
+    return path
