@@ -1,0 +1,273 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""What the infrared ring sees, and the rules that stop the motion.
+
+Paper, section IV-B: the robot follows its path unless (1) it is leaving the explored area, the
+beta-cut of the motion map, or (2) the proximity sensors see an obstacle closer than a least
+clearance.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fuzzy_map_building.types import InfraredReading
+
+from .params import ClearanceParameters, InfraredParameters
+
+__all__ = [
+    "BetaCutRule",
+    "ClosingClearance",
+    "InfraredRing",
+    "StopRule",
+    "StrictClearance",
+    "approach_speed",
+    "clearance_at",
+    "hit_points",
+    "stop_rule",
+]
+
+Points = NDArray[np.float64]
+
+
+def hit_points(
+    readings: Sequence[InfraredReading],
+    mount_radius: float,
+    min_range: float = 0.0,
+    max_range: float = math.inf,
+) -> Points:
+    """Return where infrared readings met a surface.
+
+    Parameters
+    ----------
+    readings : sequence of InfraredReading
+        Each is placed at its own pose.
+    mount_radius : float
+        Distance of the sensors' faces from the robot's centre [m].
+    min_range, max_range : float
+        Bounds of a range that counts [m].
+
+    Returns
+    -------
+    ndarray of float64, shape (n, 2)
+        Hit points (x, y) [m] in the frame of the poses. REP 117: ``-inf`` is a hit at
+        `min_range`; ``+inf``, ``nan`` and what lies beyond the bounds is none.
+    """
+    hits = []
+    for reading in readings:
+        distance = min_range if reading.range == -math.inf else reading.range
+        if not min_range <= distance <= max_range or distance == math.inf:
+            continue
+        direction = reading.pose.theta + reading.bearing
+        rho = mount_radius + distance
+        hits.append(
+            (
+                reading.pose.x + rho * math.cos(direction),
+                reading.pose.y + rho * math.sin(direction),
+            )
+        )
+    return np.array(hits, dtype=np.float64).reshape(-1, 2)
+
+
+def clearance_at(points: ArrayLike, hits: Points, robot_radius: float) -> NDArray[np.float64]:
+    """Return the clearance that the body would have at each of some points.
+
+    Parameters
+    ----------
+    points : array_like, shape (m, 2)
+        Positions (x, y) of the robot's centre [m].
+    hits : ndarray of float64, shape (n, 2)
+        Hit points [m].
+    robot_radius : float
+        Radius of the body [m].
+
+    Returns
+    -------
+    ndarray of float64, shape (m,)
+        Distance from the body to the nearest hit point [m]; +inf without any.
+    """
+    positions = np.asarray(points, dtype=np.float64).reshape(-1, 2)
+    if len(hits) == 0:
+        return np.full(len(positions), np.inf)
+    offsets = positions[:, None, :] - hits[None, :, :]
+    nearest = np.sqrt((offsets**2).sum(axis=2).min(axis=1))
+    clearance: NDArray[np.float64] = nearest - robot_radius
+    return clearance
+
+
+def approach_speed(clearance: float, deceleration: float, latency: float) -> float:
+    """Return the speed [m/s] from which the robot still stands within its clearance.
+
+    Solves ``v latency + v^2 / (2 deceleration) = clearance`` for v.
+
+    Parameters
+    ----------
+    clearance : float
+        Distance from the body to the nearest hit point [m]; below 0 counts as 0.
+    deceleration : float
+        With which the robot brakes [m/s^2].
+    latency : float
+        Time from the reading to the braking [s].
+    """
+    if clearance == math.inf:
+        return math.inf
+    lag = deceleration * latency
+    return math.sqrt(lag * lag + 2.0 * deceleration * max(clearance, 0.0)) - lag
+
+
+class InfraredRing:
+    """The newest reading of each infrared sensor, and how old they are.
+
+    Parameters
+    ----------
+    parameters : InfraredParameters
+        The ring.
+    """
+
+    def __init__(self, parameters: InfraredParameters) -> None:
+        self._parameters = parameters
+        self._newest: dict[int, InfraredReading] = {}
+
+    def update(self, readings: Sequence[InfraredReading]) -> None:
+        """Take readings; one that is faulty (NaN) or older than its sensor's newest is none.
+
+        Raises
+        ------
+        ValueError
+            If a reading's sensor is not one of the ring's; then none is taken.
+        """
+        count = len(self._parameters.frame_ids)
+        for reading in readings:
+            if not 0 <= reading.sensor < count:
+                raise ValueError(
+                    f"infrared reading of sensor {reading.sensor}: the ring has sensors 0 to "
+                    f"{count - 1}; see parameter 'infrared.frame_ids'"
+                )
+        for reading in readings:
+            held = self._newest.get(reading.sensor)
+            if not math.isnan(reading.range) and (held is None or reading.stamp >= held.stamp):
+                self._newest[reading.sensor] = reading
+
+    def clear(self) -> None:
+        """Forget all readings."""
+        self._newest.clear()
+
+    def silent(self, now: float, limit: float) -> list[str]:
+        """Return the frames of the sensors without a reading of the last `limit` [s]."""
+        return [
+            frame
+            for sensor, frame in enumerate(self._parameters.frame_ids)
+            if sensor not in self._newest or now - self._newest[sensor].stamp > limit
+        ]
+
+    def hits(self) -> Points:
+        """Return the present hit points (x, y) [m], shape (n, 2)."""
+        p = self._parameters
+        return hit_points(tuple(self._newest.values()), p.mount_radius, p.min_range, p.max_range)
+
+
+class StopRule(Protocol):
+    """Decides, from clearances along the path, which of the next steps must not be made."""
+
+    def blocked(
+        self, clearances: NDArray[np.float64], alpha: float, relaxed: bool
+    ) -> NDArray[np.bool_]:
+        """Tell which steps are forbidden.
+
+        Parameters
+        ----------
+        clearances : ndarray of float64, shape (m + 1,)
+            Clearance [m] where the robot is and, predicted from the present hit points, at the
+            next m places of its path.
+        alpha : float
+            Rung of the ladder that the path was found on.
+        relaxed : bool
+            Whether the last perception brought no progress.
+
+        Returns
+        -------
+        ndarray of bool, shape (m,)
+            For each step from one place to the next.
+        """
+
+
+class ClosingClearance:
+    """Forbid steps that bring the body too close and closer than it is.
+
+    The plain rule stops a robot that is already near a wall for good; this one lets it leave,
+    and after a perception without progress lets it come down to a smaller clearance.
+
+    Parameters
+    ----------
+    limit, override : float
+        Least clearance [m], and the least one after a perception without progress.
+    """
+
+    def __init__(self, limit: float, override: float) -> None:
+        self._limit = limit
+        self._override = override
+
+    def blocked(
+        self, clearances: NDArray[np.float64], alpha: float, relaxed: bool
+    ) -> NDArray[np.bool_]:
+        """See `StopRule.blocked`."""
+        limit = self._override if relaxed else self._limit
+        following = clearances[1:]
+        return (following < limit) & (following < clearances[:-1])
+
+
+class StrictClearance:
+    """Forbid every step from a place whose clearance is too small, as the paper words it.
+
+    Parameters
+    ----------
+    limit : float
+        Least clearance [m].
+    """
+
+    def __init__(self, limit: float) -> None:
+        self._limit = limit
+
+    def blocked(
+        self, clearances: NDArray[np.float64], alpha: float, relaxed: bool
+    ) -> NDArray[np.bool_]:
+        """See `StopRule.blocked`."""
+        return clearances[:-1] < self._limit
+
+
+def stop_rule(parameters: ClearanceParameters) -> StopRule:
+    """Return the rule that ``clearance.rule`` names."""
+    if parameters.rule == "strict":
+        return StrictClearance(parameters.limit)
+    return ClosingClearance(parameters.limit, parameters.override)
+
+
+class BetaCutRule:
+    """How far a path stays in the explored area (paper, section IV-B, condition 1).
+
+    Parameters
+    ----------
+    beta : float
+        Largest augmented motion risk of a cell that may be entered.
+    """
+
+    def __init__(self, beta: float) -> None:
+        self._beta = beta
+
+    def reach(self, augmented_risk: NDArray[np.float64], path: NDArray[np.int64]) -> int:
+        """Return the index of the last cell of a path that may be driven to.
+
+        Parameters
+        ----------
+        augmented_risk : ndarray of float64, shape (H, W)
+            Motion risk, augmented by the robot's body.
+        path : ndarray of int64, shape (n, 2)
+            Cells (row, column); the first one, where the robot stands, is exempt.
+        """
+        outside = augmented_risk[path[1:, 0], path[1:, 1]] > self._beta
+        return int(np.argmax(outside)) if outside.any() else len(path) - 1

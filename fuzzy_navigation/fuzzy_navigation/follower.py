@@ -1,0 +1,258 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""Drives a unicycle along a path within its limits, and stops it precisely."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fuzzy_map_building.types import Pose2, wrap_angle
+
+from .params import FollowerParameters
+from .path_smoothing import Leg, SmoothPath, smooth_path
+
+__all__ = ["Follower"]
+
+Floats = NDArray[np.float64]
+
+#: Rates [1/s] at which errors are corrected: slow enough for commands that come a tick late.
+POSITION_RATE = 4.0
+HEADING_RATE = 4.0
+LATERAL_RATE = 2.5
+#: Lateral errors are corrected over this distance at least [m].
+LATERAL_DISTANCE = 0.08
+#: Part of the angular acceleration that a planned change of curvature may take.
+CURVATURE_PART = 0.6
+#: Part of the linear acceleration that a planned braking takes; the rest is in reserve.
+BRAKING_PART = 0.8
+#: Heading error [rad] at which a turn on the spot ends.
+ALIGNED = math.radians(1.0)
+#: Slowest useful speed [m/s]: below it a command moves nothing in a tick.
+CREEP = 1e-3
+
+
+class Follower:
+    """Follows one path at a time.
+
+    The path is rounded (`path_smoothing`), a speed is laid along it that the turning rate and
+    its acceleration allow, and the pose is fed back. Before a leg the robot turns on the spot.
+
+    Parameters
+    ----------
+    parameters : FollowerParameters
+        Limits of the robot.
+    """
+
+    def __init__(self, parameters: FollowerParameters) -> None:
+        self._p = parameters
+        self._path = SmoothPath((), np.zeros(1))
+        self._speed: list[Floats] = []
+        self._leg = 0
+        self._turning = True
+        self._progress = 0.0
+        self._deviation = 0.0
+        self._v = 0.0
+        self._omega = 0.0
+        self._arrived = True
+
+    @property
+    def length(self) -> float:
+        """Length of the driven path [m]."""
+        return self._path.length
+
+    @property
+    def progress(self) -> float:
+        """Distance along the path that the robot has come [m]."""
+        return self._progress
+
+    @property
+    def remaining(self) -> float:
+        """Distance along the path to its end [m]."""
+        return self.length - self._progress
+
+    @property
+    def vertex_progress(self) -> Floats:
+        """Progress [m] at which each point given to `follow` is passed, shape (n,)."""
+        return self._path.vertex_s
+
+    @property
+    def deviation(self) -> float:
+        """Distance of the robot from the driven path at the last step [m]."""
+        return self._deviation
+
+    @property
+    def velocity(self) -> tuple[float, float]:
+        """The last command: speed [m/s] and turning rate [rad/s]."""
+        return self._v, self._omega
+
+    @property
+    def standing(self) -> bool:
+        """Whether the last command was to stand."""
+        return self._v == 0.0 and self._omega == 0.0
+
+    @property
+    def done(self) -> bool:
+        """Whether the robot stands at the path's last point."""
+        return self._arrived and self.standing
+
+    def follow(self, path_xy: ArrayLike) -> None:
+        """Take a new path.
+
+        Parameters
+        ----------
+        path_xy : array_like, shape (n, 2)
+            Points (x, y) [m], the first one where the robot is.
+
+        Raises
+        ------
+        ValueError
+            If there is no point or one is not finite; the old path stays.
+        """
+        path = smooth_path(path_xy, self._p.max_deviation)
+        self._speed = [self._speed_limit(leg) for leg in path.legs]
+        self._path = path
+        self._leg = 0
+        self._turning = True
+        self._progress = 0.0
+        self._deviation = 0.0
+        self._arrived = not path.legs
+
+    def halt(self) -> None:
+        """Take note that the robot was commanded to stand at once."""
+        self._v = self._omega = 0.0
+        self._turning = True
+
+    def step(
+        self, pose: Pose2, dt: float, *, stop_at: float = math.inf, max_speed: float = math.inf
+    ) -> tuple[float, float]:
+        """Return the command of one tick.
+
+        Parameters
+        ----------
+        pose : Pose2
+            Where the robot is.
+        dt : float
+            Time since the last command [s].
+        stop_at : float
+            Progress [m] at which the robot has to stand; one that lies behind it makes it brake.
+        max_speed : float
+            Upper limit of the speed [m/s].
+
+        Returns
+        -------
+        v, omega : float
+            Speed [m/s] and turning rate [rad/s], inside the limits, changed against the last
+            command by no more than the accelerations allow.
+
+        Raises
+        ------
+        ValueError
+            If `dt` is negative or not finite, or a limit is NaN.
+        """
+        if not (math.isfinite(dt) and dt >= 0.0):
+            raise ValueError(f"the time of a tick must be finite and not negative, got {dt} s")
+        if math.isnan(stop_at) or math.isnan(max_speed):
+            raise ValueError(f"stop_at ({stop_at}) and max_speed ({max_speed}) must be numbers")
+        if not self._path.legs:
+            return self._command(0.0, 0.0, dt)
+        leg = self._path.legs[self._leg]
+        i, along, lateral = self._locate(leg, pose)
+        end = min(float(leg.s[-1]), stop_at)
+        to_end = end - self._progress
+        if to_end <= 0.5 * self._p.arrival and self._v <= POSITION_RATE * self._p.arrival:
+            if self._progress >= leg.s[-1] - 0.5 * self._p.arrival:
+                self._finish_leg()
+            return self._command(0.0, 0.0, dt)
+        error = wrap_angle(pose.theta - float(leg.heading[i]))
+        if abs(error) > self._p.turn_in_place:
+            self._turning = True
+        if self._turning:
+            if self._v > 0.0:
+                return self._command(0.0, self._omega, dt)
+            if abs(error) > ALIGNED or abs(self._omega) > self._p.angular_acceleration * dt:
+                return self._command(0.0, -self._turn_rate(error), dt)
+            self._turning = False
+        v = self._approach(to_end, dt)
+        v = min(v, float(self._speed[self._leg][i]), max_speed)
+        v = self._limited(v, self._v, self._p.linear_acceleration, self._p.max_linear, dt)
+        return self._command(v, self._steer(leg, i, along, v, lateral, error), dt)
+
+    def _speed_limit(self, leg: Leg) -> Floats:
+        """Return the speed [m/s] along a leg that curvature and the leg's end allow."""
+        p = self._p
+        curvature = np.abs(leg.curvature)
+        change = np.abs(np.gradient(leg.curvature, leg.s))
+        with np.errstate(divide="ignore"):
+            limit = np.minimum(p.max_linear, 0.9 * p.max_angular / curvature)
+            limit = np.minimum(
+                limit, np.sqrt(CURVATURE_PART * p.angular_acceleration / change)
+            )
+        # The largest v with v^2 <= limit^2 + 2 a (distance) for every point ahead.
+        a2 = 2.0 * BRAKING_PART * p.linear_acceleration
+        energy = limit**2 + a2 * leg.s
+        braked = np.minimum.accumulate(energy[::-1])[::-1] - a2 * leg.s
+        speed: Floats = np.sqrt(np.maximum(braked, 0.0))
+        return speed
+
+    def _locate(self, leg: Leg, pose: Pose2) -> tuple[int, float, float]:
+        """Find the robot along the leg: sample, distance past it, distance left of the path."""
+        first = int(np.searchsorted(leg.s, self._progress - 0.05))
+        last = int(np.searchsorted(leg.s, self._progress + 0.15, side="right"))
+        offset = np.array([pose.x, pose.y]) - leg.xy[first:last]
+        i = first + int(np.argmin((offset**2).sum(axis=1)))
+        dx, dy = pose.x - float(leg.xy[i, 0]), pose.y - float(leg.xy[i, 1])
+        c, s = math.cos(leg.heading[i]), math.sin(leg.heading[i])
+        along, lateral = dx * c + dy * s, -dx * s + dy * c
+        self._progress = min(max(float(leg.s[i]) + along, float(leg.s[0])), float(leg.s[-1]))
+        self._deviation = math.hypot(dx, dy)
+        return i, along, lateral
+
+    def _finish_leg(self) -> None:
+        if self._leg + 1 < len(self._path.legs):
+            self._leg += 1
+            self._turning = True
+        else:
+            self._arrived = True
+
+    def _approach(self, distance: float, dt: float) -> float:
+        """Return the speed [m/s] from which the robot stops within a distance [m]."""
+        if distance <= 0.0:
+            return 0.0
+        braking = BRAKING_PART * self._p.linear_acceleration
+        # The command holds for a tick: half of it is driven at the old speed.
+        lag = braking * dt
+        return min(
+            math.sqrt(lag * lag + 2.0 * braking * distance) - lag, POSITION_RATE * distance
+        )
+
+    def _turn_rate(self, error: float) -> float:
+        """Return the turning rate [rad/s] that ends at heading error 0 without overshoot."""
+        braking = BRAKING_PART * self._p.angular_acceleration
+        rate = min(math.sqrt(2.0 * braking * abs(error)), HEADING_RATE * abs(error))
+        return math.copysign(min(rate, self._p.max_angular), error)
+
+    def _steer(
+        self, leg: Leg, i: int, along: float, v: float, lateral: float, error: float
+    ) -> float:
+        """Return the turning rate [rad/s]: the curve's own, and what corrects the errors."""
+        gain = min((LATERAL_RATE / max(v, CREEP)) ** 2, 1.0 / LATERAL_DISTANCE**2)
+        ahead = float(leg.s[i]) + along
+        curvature = float(np.interp(ahead, leg.s, leg.curvature))
+        return v * curvature - HEADING_RATE * error - v * gain * lateral
+
+    def _command(self, v: float, omega: float, dt: float) -> tuple[float, float]:
+        p = self._p
+        self._v = self._limited(v, self._v, p.linear_acceleration, p.max_linear, dt)
+        self._omega = self._limited(
+            omega, self._omega, p.angular_acceleration, p.max_angular, dt
+        )
+        return self._v, self._omega
+
+    @staticmethod
+    def _limited(value: float, old: float, acceleration: float, limit: float, dt: float) -> float:
+        change = acceleration * dt
+        value = min(max(value, old - change), old + change)
+        return min(max(value, -limit), limit)
