@@ -94,7 +94,8 @@ class GridGeometry:
     def __post_init__(self) -> None:
         for name in ("width", "height"):
             value = getattr(self, name)
-            if isinstance(value, bool) or int(value) != value or value < 1:
+            whole = not isinstance(value, bool) and math.isfinite(value) and int(value) == value
+            if not whole or value < 1:
                 raise ValueError(
                     f"GridGeometry.{name} is a number of cells, a positive whole number, "
                     f"got {value!r}; GridGeometry.from_size takes metres"
@@ -110,9 +111,10 @@ class GridGeometry:
                 f"GridGeometry.resolution must be positive and finite [m], got {self.resolution}"
             )
         object.__setattr__(self, "resolution", float(self.resolution))
-        if len(self.origin) != 2 or not all(math.isfinite(v) for v in self.origin):
+        origin: list[float] = [float(v) for v in self.origin]
+        if len(origin) != 2 or not all(math.isfinite(v) for v in origin):
             raise ValueError(f"GridGeometry.origin must be two finite metres, got {self.origin}")
-        object.__setattr__(self, "origin", (float(self.origin[0]), float(self.origin[1])))
+        object.__setattr__(self, "origin", (origin[0], origin[1]))
 
     @classmethod
     def from_size(
@@ -205,11 +207,10 @@ class GridGeometry:
     def centre_coordinates(
         self, row: NDArray[np.int64], column: NDArray[np.int64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return the centres (x, y) [m] of many cells, given by arrays of one shape."""
-        return (
-            self.origin[0] + (column + 0.5) * self.resolution,
-            self.origin[1] + (row + 0.5) * self.resolution,
-        )
+        """Return the centres' x of columns and y of rows [m]."""
+        x: NDArray[np.float64] = self.origin[0] + np.add(column, 0.5) * self.resolution
+        y: NDArray[np.float64] = self.origin[1] + np.add(row, 0.5) * self.resolution
+        return x, y
 
     def centres(
         self, window: Window | None = None
@@ -223,9 +224,7 @@ class GridGeometry:
             Centres [m] of the window's columns and rows, or of the whole grid's.
         """
         w = window if window is not None else Window(0, self.height, 0, self.width)
-        x = self.origin[0] + (np.arange(w.col0, w.col1) + 0.5) * self.resolution
-        y = self.origin[1] + (np.arange(w.row0, w.row1) + 0.5) * self.resolution
-        return x, y
+        return self.centre_coordinates(np.arange(w.row0, w.row1), np.arange(w.col0, w.col1))
 
     def window(self, x: float, y: float, radius: float) -> Window:
         """Return the cells whose centres can lie within `radius` of (x, y) [m], clipped.
@@ -233,7 +232,10 @@ class GridGeometry:
         The window may be empty when the circle lies outside the grid.
         """
         if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(radius) and radius >= 0):
-            raise ValueError(f"circle ({x}, {y}), radius {radius} is not finite and positive")
+            raise ValueError(
+                f"a circle needs a finite centre and a radius of 0 or more, got centre "
+                f"({x}, {y}) m and radius {radius} m"
+            )
 
         def clip(low: float, high: float, count: int) -> tuple[int, int]:
             first = max(0, min(count, math.floor(low / self.resolution)))

@@ -147,10 +147,11 @@ class SonarModel:
         row1, col1 = (int(v) for v in last.max(axis=0))
         window = Window(row0, row1, col0, col1)
         lam = self._evidence.dombi_lambda
-        sums = np.zeros((2, window.shape[0] * window.shape[1]))
+        cells = window.shape[0] * window.shape[1]
+        sums = np.zeros((2, cells))
         for cell, empty, occupied in self._cones(packet, first, last, window, geometry):
-            for total, evidence in zip(sums, (empty, occupied)):
-                total += np.bincount(cell, dombi_t(evidence, lam), total.size)
+            sums[0] += np.bincount(cell, dombi_t(empty, lam), cells)
+            sums[1] += np.bincount(cell, dombi_t(occupied, lam), cells)
         empty, occupied = dombi_t_inverse(sums, lam).reshape(2, *window.shape)
         return LocalEvidence(window, empty, occupied, len(packet), rejected)
 
