@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from fuzzy_map_building.types import InfraredReading
 
-from .params import ClearanceParameters, InfraredParameters
+from fuzzy_navigation.params import ClearanceParameters, InfraredParameters
 
 __all__ = [
     "BetaCutRule",

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from fuzzy_map_building.types import Pose2, wrap_angle
 
-from .params import FollowerParameters
-from .path_smoothing import Leg, SmoothPath, smooth_path
+from fuzzy_navigation.params import FollowerParameters
+from fuzzy_navigation.path_smoothing import Leg, SmoothPath, smooth_path
 
 __all__ = ["Follower"]
 
@@ -49,6 +49,8 @@ class Follower:
     def __init__(self, parameters: FollowerParameters) -> None:
         self._p = parameters
         self._path = SmoothPath((), np.zeros(1))
+        self._s = np.zeros(1)
+        self._xy = np.zeros((1, 2))
         self._speed: list[Floats] = []
         self._leg = 0
         self._turning = True
@@ -114,11 +116,22 @@ class Follower:
         path = smooth_path(path_xy, self._p.max_deviation)
         self._speed = [self._speed_limit(leg) for leg in path.legs]
         self._path = path
+        if path.legs:
+            self._s = np.concatenate([leg.s for leg in path.legs])
+            self._xy = np.concatenate([leg.xy for leg in path.legs])
+        else:
+            self._s = np.zeros(1)
+            self._xy = np.asarray(path_xy, dtype=np.float64)[:1]
         self._leg = 0
         self._turning = True
         self._progress = 0.0
         self._deviation = 0.0
         self._arrived = not path.legs
+
+    def points_at(self, progress: ArrayLike) -> Floats:
+        """Return the points (x, y) [m] of the driven path at some progress [m], shape (m, 2)."""
+        wanted = np.asarray(progress, dtype=np.float64)
+        return np.column_stack([np.interp(wanted, self._s, self._xy[:, k]) for k in (0, 1)])
 
     def halt(self) -> None:
         """Take note that the robot was commanded to stand at once."""

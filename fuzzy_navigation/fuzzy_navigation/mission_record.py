@@ -1,0 +1,94 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""What a mission has done so far: counters, way and log."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from fuzzy_map_building.types import Pose2
+from numpy.typing import NDArray
+
+from fuzzy_navigation.mission_types import Finish, LogEntry, Outcome, Stop
+
+__all__ = ["MissionRecord"]
+
+#: Distance between two recorded positions [m].
+SPACING = 0.02
+
+
+class MissionRecord:
+    """Counters, way and log of one mission.
+
+    Parameters
+    ----------
+    mission : int
+        Serial number.
+    goal : Pose2
+        Where to go [m].
+    tolerance : float
+        Distance from the goal that counts as reached [m].
+    started : float
+        Time of the start [s].
+    """
+
+    def __init__(self, mission: int, goal: Pose2, tolerance: float, started: float) -> None:
+        self.mission = mission
+        self.goal = goal
+        self.tolerance = tolerance
+        self.started = started
+        self.perceptions = 0
+        self.alpha = 0.0
+        self.last_stop = Stop.NONE
+        self.without_progress = 0
+        self.log: list[LogEntry] = []
+        self._path_length = 0.0
+        self._min_clearance = math.inf
+        self._last: Pose2 | None = None
+        self._way: list[tuple[float, float]] = []
+
+    @property
+    def relaxed(self) -> bool:
+        """Whether a smaller clearance is allowed: the last perceptions could not end a stop."""
+        return self.without_progress > 0 and self.last_stop is Stop.CLEARANCE
+
+    @property
+    def travelled(self) -> NDArray[np.float64]:
+        """Positions (x, y) along the way [m], shape (m, 2)."""
+        return np.array(self._way, dtype=np.float64).reshape(-1, 2)
+
+    def pass_by(self, pose: Pose2, clearance: float) -> None:
+        """Take note of a pose and of the clearance [m] measured there."""
+        if self._last is not None:
+            self._path_length += self._last.distance_to(pose.x, pose.y)
+        self._last = pose
+        self._min_clearance = min(self._min_clearance, clearance)
+        if not self._way or pose.distance_to(*self._way[-1]) >= SPACING:
+            self._way.append((pose.x, pose.y))
+
+    def perceived(self, now: float, pose: Pose2, distance_remaining: float) -> None:
+        """Count a perception and log it."""
+        self.perceptions += 1
+        self.log.append(
+            LogEntry(
+                self.perceptions, now, pose, self.last_stop, self.alpha, distance_remaining
+            )
+        )
+
+    def stopped(self, reason: Stop, progress: bool) -> None:
+        """Take note of why the robot stopped and whether it had come on since it perceived."""
+        self.last_stop = reason
+        self.without_progress = 0 if progress else self.without_progress + 1
+
+    def finish(self, outcome: Outcome, message: str, time: float) -> Finish:
+        """Return the verdict with the counters."""
+        return Finish(
+            self.mission,
+            outcome,
+            message,
+            self.perceptions,
+            self._path_length,
+            self._min_clearance,
+            time - self.started,
+        )

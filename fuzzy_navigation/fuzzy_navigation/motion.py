@@ -1,0 +1,228 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""One motion phase: a planned path followed until a stop condition holds.
+
+Paper, section IV-B: up to the goal, unless the robot is leaving the explored area or an
+obstacle is too close. How far the path stays explored is known beforehand; clearances are
+judged at every tick, and far enough ahead that the robot really stands in time.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from fuzzy_map_building.grid import GridGeometry
+from fuzzy_map_building.types import Pose2
+from numpy.typing import NDArray
+
+from fuzzy_navigation.clearance import approach_speed, clearance_at, stop_rule
+from fuzzy_navigation.follower import BRAKING_PART, Follower
+from fuzzy_navigation.mission_types import Stop
+from fuzzy_navigation.params import MotionParameters
+
+__all__ = ["Motion", "PlannedPath"]
+
+#: A point of the path that is nearer than this [m] has been passed.
+PASSED = 0.01
+#: Speed that is allowed at any clearance [m/s].
+LEAST_SPEED = 0.1
+
+
+@dataclass(frozen=True)
+class PlannedPath:
+    """A path from cell to cell.
+
+    Parameters
+    ----------
+    points : ndarray of float64, shape (n, 2)
+        Centres (x, y) of the cells [m].
+    alpha : float
+        Rung that it was found on.
+    resolution : float
+        Side of a cell [m].
+    """
+
+    points: NDArray[np.float64]
+    alpha: float
+    resolution: float
+
+    @classmethod
+    def of(
+        cls, poses: Sequence[Pose2], alpha: float, geometry: GridGeometry, robot: Pose2
+    ) -> PlannedPath:
+        """Take a planner's answer.
+
+        Raises
+        ------
+        ValueError
+            If there is no pose, one lies outside the map, two in a row are not of neighbouring
+            cells, or the first is not where the robot is.
+        """
+        if not poses:
+            raise ValueError("the path has no pose")
+        points = np.array([(pose.x, pose.y) for pose in poses], dtype=np.float64)
+        cells, inside = geometry.cells_of(points)
+        if not inside.all():
+            x, y = points[int(np.argmin(inside))]
+            raise ValueError(f"the path leaves the map at ({x:.2f}, {y:.2f}) m")
+        if (np.abs(np.diff(cells, axis=0)) > 1).any():
+            raise ValueError("the path jumps over cells")
+        if robot.distance_to(*points[0]) > 1.5 * geometry.resolution:
+            raise ValueError(
+                f"the path starts at ({points[0, 0]:.2f}, {points[0, 1]:.2f}) m, the robot is at "
+                f"({robot.x:.2f}, {robot.y:.2f}) m"
+            )
+        return cls(points, alpha, geometry.resolution)
+
+
+class Motion:
+    """Drives one planned path after the other.
+
+    Parameters
+    ----------
+    parameters : MotionParameters
+        Rules and limits.
+    """
+
+    def __init__(self, parameters: MotionParameters) -> None:
+        self._p = parameters
+        self._rule = stop_rule(parameters.clearance)
+        self._follower = Follower(parameters.follower)
+        self.forget()
+
+    def forget(self) -> None:
+        """Forget the path."""
+        self._path = PlannedPath(np.empty((0, 2)), 0.0, math.inf)
+        self._driven = 0
+        self._reach = 0
+        self._relaxed = False
+        self._stopping: Stop | None = None
+        self._stopped: Stop | None = None
+        self._follower.halt()
+
+    @property
+    def path(self) -> PlannedPath:
+        """The whole planned path."""
+        return self._path
+
+    @property
+    def stopped(self) -> Stop | None:
+        """Why the motion is over and the robot stands; None while it goes on."""
+        return self._stopped
+
+    @property
+    def progress(self) -> float:
+        """Distance along the path that the robot has come [m]."""
+        return self._follower.progress
+
+    @property
+    def remaining(self) -> float:
+        """Length of the path to the goal that is left [m]."""
+        steps = np.diff(self._path.points[max(self._driven, 0) :], axis=0)
+        return self._follower.remaining + float(np.hypot(steps[:, 0], steps[:, 1]).sum())
+
+    def begin(
+        self, pose: Pose2, path: PlannedPath, goal: Pose2, reach: int, relaxed: bool
+    ) -> None:
+        """Set out on a path.
+
+        Parameters
+        ----------
+        pose : Pose2
+            Where the robot stands.
+        path : PlannedPath
+            Where it is to go.
+        goal : Pose2
+            The path ends exactly there if its last cell holds it.
+        reach : int
+            Index of the last cell of the path that is in the explored area.
+        relaxed : bool
+            Whether the last perception brought no progress.
+        """
+        self._path, self._reach, self._relaxed = path, reach, relaxed
+        self._stopping = self._stopped = None
+        points = path.points[: reach + 1].copy()
+        last = len(path.points) - 1
+        self._driven = reach
+        half = 0.5 * path.resolution + 1e-9
+        if reach == last and np.abs(path.points[-1] - (goal.x, goal.y)).max() <= half:
+            points = np.vstack([points[:last], (goal.x, goal.y)])
+        elif reach == 0:
+            self._follower.follow([(pose.x, pose.y)])
+            self._stopped = Stop.GOAL if last == 0 else Stop.UNEXPLORED
+            return
+        # From where the robot is straight to the second cell, or to the goal in its own one.
+        points = np.vstack([(pose.x, pose.y), points[1:] if len(points) > 1 else points])
+        self._follower.follow(points)
+
+    def allow(self, reach: int) -> None:
+        """Take a new limit of the explored area while the robot is on its way."""
+        self._reach = reach
+
+    def halt(self) -> None:
+        """Take note that the robot was commanded to stand at once."""
+        self._follower.halt()
+
+    def step(self, pose: Pose2, hits: NDArray[np.float64], dt: float) -> tuple[float, float]:
+        """Return the command of one tick, speed [m/s] and turning rate [rad/s].
+
+        Parameters
+        ----------
+        pose : Pose2
+            Where the robot is.
+        hits : ndarray of float64, shape (n, 2)
+            Present infrared hit points [m].
+        dt : float
+            Time since the last tick [s].
+        """
+        follower = self._follower
+        stop_at, max_speed = self._limits(pose, hits, dt)
+        if self._stopping is not None:
+            stop_at = -math.inf
+        v, omega = follower.step(pose, dt, stop_at=stop_at, max_speed=max_speed)
+        if follower.standing and self._stopping is not None:
+            self._stopped = self._stopping
+        elif follower.done:
+            last = self._driven == len(self._path.points) - 1
+            self._stopped = Stop.GOAL if last else Stop.UNEXPLORED
+        if follower.deviation > 2.0 * self._p.follower.max_deviation:
+            # Pushed or slipped off the path: the plan does not hold here.
+            self._stopping = self._stopping or Stop.NONE
+        return v, omega
+
+    def _limits(
+        self, pose: Pose2, hits: NDArray[np.float64], dt: float
+    ) -> tuple[float, float]:
+        """Return where the robot has to stand at the latest [m] and its largest speed [m/s]."""
+        follower = self._follower
+        speed, _ = follower.velocity
+        deceleration = BRAKING_PART * self._p.follower.linear_acceleration
+        horizon = follower.progress + speed * speed / (2.0 * deceleration)
+        horizon += 2.0 * speed * dt + 1.5 * self._path.resolution
+        passed = follower.vertex_progress
+        following = np.flatnonzero(passed > follower.progress + PASSED)
+        ahead = following[passed[following] <= horizon]
+        if len(ahead) == 0:
+            ahead = following[:1]
+        places = np.vstack([(pose.x, pose.y), follower.points_at(passed[ahead])])
+        clearances = clearance_at(places, hits, self._p.robot_radius)
+        max_speed = max(
+            LEAST_SPEED, approach_speed(float(clearances[0]), deceleration, 2.0 * dt)
+        )
+        stop_at = math.inf
+        if self._reach < self._driven:
+            # The map changed under the path.
+            stop_at = float(passed[self._reach])
+            if follower.progress >= stop_at - PASSED:
+                self._stopping = self._stopping or Stop.UNEXPLORED
+        blocked = self._rule.blocked(clearances, self._path.alpha, self._relaxed)
+        if blocked.any():
+            first = int(np.argmax(blocked))
+            if first == 0:
+                self._stopping = self._stopping or Stop.CLEARANCE
+            else:
+                stop_at = min(stop_at, float(passed[ahead[first - 1]]))
+        return stop_at, max_speed
