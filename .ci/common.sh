@@ -16,14 +16,17 @@ fail() {
     exit 1
 }
 
+# The wheels' start-up hook leaves this behind; a python of another environment that finds it
+# would not set up its own libraries.
+unset _ROS_WHEELS_BOOTSTRAP_COMPLETE
+# What another environment or another ROS left in this shell must not be mixed into .venv.
+if [ "$environment" = venv ]; then
+    unset PYTHONPATH PYTHONHOME LD_LIBRARY_PATH COLCON_PREFIX_PATH
+fi
+
 # Makes the environment's commands and libraries the ones in force in this shell.
 enter_environment() {
-    # The wheels' start-up hook leaves this behind; a python of another environment that finds
-    # it would not set up its own libraries.
-    unset _ROS_WHEELS_BOOTSTRAP_COMPLETE
     if [ "$environment" = venv ]; then
-        # What another environment or another ROS left in this shell must not be mixed in.
-        unset PYTHONPATH PYTHONHOME LD_LIBRARY_PATH COLCON_PREFIX_PATH
         . .venv/bin/activate
         export AMENT_PREFIX_PATH="$VIRTUAL_ENV" CMAKE_PREFIX_PATH="$VIRTUAL_ENV"
     fi
