@@ -120,12 +120,13 @@ def describe(cls: type, prefix: str = "") -> dict[str, ParameterInfo]:
             out.update(describe(group, name + "."))
             continue
         info = field.metadata[_KEY]
-        sequence = isinstance(field.default, tuple)
-        element = field.default[0] if sequence and field.default else field.default
-        if sequence and not field.default:
+        default: Any = field.default
+        sequence = isinstance(default, tuple)
+        if sequence and not default:
             raise TypeError(f"{name}: the type of an empty default sequence is unknown")
+        element = default[0] if sequence else default
         out[name] = ParameterInfo(
-            name=name, type=type(element), default=field.default, is_sequence=sequence, **info
+            name=name, type=type(element), default=default, is_sequence=sequence, **info
         )
     return out
 
@@ -217,7 +218,8 @@ def from_mapping(base: T, values: Mapping[str, Any]) -> T:
             raise ParameterError(f"unknown parameter '{name}'{suggest(name, known)}")
     for name, value in flat.items():
         flat[name] = _checked(known[name], value)
-    return _replace(base, flat)
+    changed: T = _replace(base, flat)
+    return changed
 
 
 def _flatten_mapping(values: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:

@@ -1,0 +1,210 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""Save and load all that a mapper remembers, exactly.
+
+A map file is a zip archive of ``map.json`` (format, version, grid, perceptions) and the
+arrays ``empty.npy``, ``occupied.npy``, ``count.npy``; `numpy.load` opens it as well. It is
+written beside its final place and moved there when it is complete, so that a reader or a
+power failure never meets half a file. Loading trusts nothing: sizes are checked before
+memory is taken, and no code can come along (no pickle).
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import secrets
+import zipfile
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import IO, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzy_map_building.grid import GridGeometry
+from fuzzy_map_building.map_state import MapState
+
+__all__ = ["MapFileError", "atomic_write", "load_map", "save_map"]
+
+_FORMAT = "fuzzy_map_building"
+_VERSION = 1
+_HEADER = "map.json"
+_ARRAYS = {"empty": np.float64, "occupied": np.float64, "count": np.int32}
+_MAX_HEADER = 4096
+#: Longest header of an .npy file of these arrays, with room to spare.
+_MAX_ARRAY_HEADER = 1024
+
+
+class MapFileError(ValueError):
+    """A map file cannot be written, or is none, or is damaged."""
+
+
+@contextmanager
+def atomic_write(path: Path) -> Iterator[IO[bytes]]:
+    """Open a file for writing that appears at `path` only when it is complete.
+
+    Raises
+    ------
+    MapFileError
+        If it cannot be written; what was at `path` before is then still there.
+    """
+    temporary = path.with_name(f".{path.name[:100]}.{secrets.token_hex(8)}.tmp")
+    try:
+        try:
+            with open(temporary, "xb") as file:
+                yield file
+                file.flush()
+                os.fsync(file.fileno())
+            os.replace(temporary, path)
+        finally:
+            temporary.unlink(missing_ok=True)
+        folder = os.open(path.parent, os.O_RDONLY)
+        try:
+            os.fsync(folder)  # the new name itself survives a power failure
+        finally:
+            os.close(folder)
+    except OSError as error:
+        raise MapFileError(f"cannot write '{path}': {error.strerror or error}") from error
+
+
+def save_map(path: str | Path, state: MapState) -> None:
+    """Write a state to a file, replacing what was there.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file; its folder must exist.
+    state : MapState
+        What `FuzzyMapper.state` returns.
+
+    Raises
+    ------
+    MapFileError
+        If the file cannot be written. One that was there before is unharmed.
+    """
+    geometry = state.geometry
+    header = {
+        "format": _FORMAT,
+        "version": _VERSION,
+        "width": geometry.width,
+        "height": geometry.height,
+        "resolution": geometry.resolution,
+        "origin": list(geometry.origin),
+        "perceptions": state.perceptions,
+    }
+    with (
+        atomic_write(_checked_path(path)) as file,
+        zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive,
+    ):
+        archive.writestr(_HEADER, json.dumps(header))
+        for name in _ARRAYS:
+            with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
+                np.lib.format.write_array(member, getattr(state, name), allow_pickle=False)
+
+
+def load_map(path: str | Path) -> MapState:
+    """Read a state from a file.
+
+    Returns
+    -------
+    MapState
+        Equal, to the last bit, to the one that was saved.
+
+    Raises
+    ------
+    MapFileError
+        If the file cannot be read, is no map file, is of a later version, or is damaged.
+    """
+    path = _checked_path(path)
+    try:
+        with zipfile.ZipFile(path) as archive:
+            return _read(archive)
+    except MapFileError as error:
+        raise MapFileError(f"cannot load '{path}': {error}") from error
+    except OSError as error:
+        raise MapFileError(f"cannot load '{path}': {error.strerror or error}") from error
+    except (
+        zipfile.BadZipFile,
+        zlib.error,
+        # zipfile: encrypted members and unknown compression; json: too deep.
+        RuntimeError,
+        NotImplementedError,
+        # A truncated or nonsensical member.
+        EOFError,
+        OverflowError,
+        ValueError,
+    ) as error:
+        raise MapFileError(f"cannot load '{path}': it is no map file or damaged ({error})") from (
+            error
+        )
+
+
+def _checked_path(path: str | Path) -> Path:
+    if not str(path) or "\0" in str(path):
+        raise MapFileError(f"{str(path)!r} is no file name")
+    return Path(path)
+
+
+def _read(archive: zipfile.ZipFile) -> MapState:
+    members = {info.filename: info for info in archive.infolist()}
+    expected = [_HEADER, *(f"{name}.npy" for name in _ARRAYS)]
+    if sorted(info.filename for info in archive.infolist()) != sorted(expected):
+        raise MapFileError(f"a map file has the members {expected}, this one {sorted(members)}")
+    if members[_HEADER].file_size > _MAX_HEADER:
+        raise MapFileError(f"its header has {members[_HEADER].file_size} bytes")
+    header = json.loads(archive.read(_HEADER))
+    geometry = _geometry(header)
+    arrays = {
+        name: _array(archive, members[f"{name}.npy"], geometry, np.dtype(kind))
+        for name, kind in _ARRAYS.items()
+    }
+    return MapState(geometry, **arrays, perceptions=header.get("perceptions"))
+
+
+def _geometry(header: Any) -> GridGeometry:
+    if not isinstance(header, dict) or header.get("format") != _FORMAT:
+        raise MapFileError("it was not saved by this program")
+    version = header.get("version")
+    if version != _VERSION:
+        raise MapFileError(f"it is of version {version!r}, this program reads {_VERSION}")
+    origin = header.get("origin")
+    values = [header.get(name) for name in ("width", "height", "resolution")]
+    if not isinstance(origin, list) or not all(
+        isinstance(value, (int, float)) for value in (*values, *origin)
+    ):
+        raise MapFileError("its header does not describe a grid")
+    width, height, resolution = values
+    return GridGeometry(width, height, resolution, tuple(origin))  # type: ignore[arg-type]
+
+
+def _array(
+    archive: zipfile.ZipFile,
+    info: zipfile.ZipInfo,
+    geometry: GridGeometry,
+    kind: np.dtype[Any],
+) -> NDArray[Any]:
+    size = geometry.width * geometry.height * kind.itemsize
+    # Before anything of that size is allocated or unpacked.
+    if not size < info.file_size <= size + _MAX_ARRAY_HEADER:
+        raise MapFileError(
+            f"{info.filename} has {info.file_size} bytes, a grid of {geometry.width} x "
+            f"{geometry.height} cells needs {size} and a short header"
+        )
+    with archive.open(info) as member:
+        if np.lib.format.read_magic(member) != (1, 0):
+            raise MapFileError(f"{info.filename} is of another version of the array format")
+        shape, fortran, dtype = np.lib.format.read_array_header_1_0(
+            member, max_header_size=_MAX_ARRAY_HEADER
+        )
+        if shape != geometry.shape or fortran or dtype != kind:
+            raise MapFileError(
+                f"{info.filename} holds {dtype} of shape {shape}, its grid needs {kind} of shape "
+                f"{geometry.shape}"
+            )
+        data = bytearray(member.read(size))
+        if len(data) != size or member.read(1):
+            raise MapFileError(f"{info.filename} does not end where it should")
+    return np.frombuffer(data, dtype=kind).reshape(geometry.shape)
