@@ -184,7 +184,7 @@ def admissible_cells(
     expected = values.shape if shape is None else shape
     if values.shape != expected:
         raise ValueError(f"cut must have the shape {expected} of the risks, got {values.shape}")
-    if not values.min() >= 0.0:  # a NaN fails
+    if not values.min(initial=math.inf) >= 0.0:  # a NaN fails
         raise ValueError("cut must not hold NaN or negative values")
     admissible = alpha_cut(values, alpha)
     if barred is not None:

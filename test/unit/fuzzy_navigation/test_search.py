@@ -1,0 +1,249 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""Paths that can be told by hand, ties, refusals, and the same source without numba."""
+
+import json
+import math
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from fuzzy_map_building.jit import compiled
+from fuzzy_navigation.search import admissible_cells, find_path, warm_up
+
+# Prints what searches on a few maps return; run with and without compilation.
+SEARCHES = """
+import json, sys
+{prepare}
+import numpy as np
+from fuzzy_map_building.jit import compiled
+from fuzzy_navigation.search import find_path, warm_up
+warm_up()
+rng = np.random.default_rng(5)
+out = []
+for size in (2, 9, 25):
+    for cost in ("g1", "g2", "g3"):
+        for adjacency in (4, 8):
+            for diagonal in ("unit", "sqrt2"):
+                risk = rng.random((size, size + 3)) ** 2
+                risk[:, size // 2] = 1.0
+                risk[rng.integers(size), size // 2] = 0.1
+                r = find_path(risk, (0, 0), (size - 1, size + 2), cost, 0.9, adjacency,
+                              diagonal=diagonal, corner_cutting=size != 9)
+                out.append([r.path.tolist(), repr(r.g1), repr(r.g2), repr(r.g3), r.expanded])
+print(json.dumps([compiled(), out]))
+"""
+
+
+def searches(prepare="", **environment):
+    """Run `SEARCHES` in a process of its own."""
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", SEARCHES.format(prepare=prepare)],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), **environment},
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+@pytest.mark.parametrize(
+    ("prepare", "environment"),
+    [("", {"NUMBA_DISABLE_JIT": "1"}), ("sys.modules['numba'] = None", {})],
+    ids=["switched_off", "not_installed"],
+)
+def test_plain_python_gives_the_same_paths(prepare, environment):
+    machine_code, results = searches(prepare, **environment)
+    assert machine_code is False
+    assert results == searches()[1]
+    assert len({json.dumps(r) for r in results}) > 20
+
+
+def test_a_wall_is_walked_around():
+    risk = np.zeros((5, 5))
+    risk[:4, 2] = 0.7
+    for cost in ("g1", "g2", "g3"):
+        result = find_path(risk, (0, 0), (0, 4), cost)
+        assert result.found
+        assert [4, 2] in result.path.tolist()
+        assert result.g3 == pytest.approx(0.2)
+    assert find_path(risk, (0, 0), (0, 4)).path.shape == (9, 2)
+    assert find_path(risk, (0, 0), (0, 4), adjacency=4).path.shape == (13, 2)
+    # With the cut at 0.9 the wall is the cheaper way for g1: 4 x 0.2 + 0.9 < 9 x 0.2.
+    through = find_path(risk, (0, 0), (0, 4), "g1", 0.9)
+    assert through.path.tolist() == [[0, k] for k in range(5)]
+    assert through.g1 == pytest.approx(4 * 0.2 + 0.9)
+    assert find_path(risk, (0, 0), (0, 4), "g2", 0.9).g3 == pytest.approx(0.2)
+
+
+def test_the_three_costs_choose_differently():
+    """Straight on through 0.4, a detour of one row at 0.2, a long one at 0.1."""
+    risk = np.full((7, 9), 1.0)
+    risk[0, :] = [0.0, 0, 0.45, 0, 0, 0, 0, 0, 0]
+    risk[1:, 1] = 0.2
+    risk[6, 1:4] = 0.2
+    risk[1:, 3] = 0.2
+    straight = find_path(risk, (0, 0), (0, 8), "g1", 0.5, 4)
+    detour = find_path(risk, (0, 0), (0, 8), "g3", 0.5, 4)
+    assert len(straight.path) == 9
+    assert len(detour.path) > 9
+    assert straight.g3 == pytest.approx(0.65)
+    assert detour.g3 == pytest.approx(0.4)
+    assert straight.g1 < detour.g1
+
+
+def test_start_is_exempt_from_the_cut_and_the_goal_is_not():
+    risk = np.zeros((1, 4))
+    risk[0, 0] = risk[0, 3] = 1.0
+    assert find_path(risk, (0, 0), (0, 2)).found
+    blocked = find_path(risk, (0, 0), (0, 3))
+    assert (blocked.found, blocked.expanded, blocked.g1) == (False, 0, math.inf)
+    assert blocked.path.shape == (0, 2)
+
+
+def test_start_at_the_goal_is_a_path_of_one_cell():
+    result = find_path(np.ones((2, 2)), (1, 0), (1, 0), alpha=0.1)
+    assert result.found
+    assert result.path.tolist() == [[1, 0]]
+    assert (result.g1, result.g3, result.expanded) == (1.2, 1.2, 0)
+
+
+def test_alpha_is_compared_without_epsilon():
+    risk = np.full((1, 3), 0.6)
+    assert find_path(risk, (0, 0), (0, 2), alpha=0.6, epsilon=0.4).found
+    assert not find_path(risk, (0, 0), (0, 2), alpha=0.59, epsilon=0.0).found
+
+
+def test_cut_decides_admission_and_risk_the_cost():
+    risk = np.zeros((3, 5))
+    risk[1, 2] = 1.0
+    cut = np.zeros((3, 5))
+    cut[[0, 2], 2] = 2.0
+    result = find_path(risk, (1, 0), (1, 4), "g1", 0.6, cut=cut)
+    assert [1, 2] in result.path.tolist()
+    assert result.g1 == pytest.approx(4 * 0.2 + 1.2)
+    cut[1, 2] = math.inf
+    assert not find_path(risk, (1, 0), (1, 4), "g1", 1.0, cut=cut).found
+
+
+def test_barred_cells_are_not_entered():
+    barred = np.zeros((3, 5), dtype=bool)
+    barred[:2, 2] = True
+    result = find_path(np.zeros((3, 5)), (0, 0), (0, 4), barred=barred)
+    assert [2, 2] in result.path.tolist()
+    barred[2, 2] = True
+    assert not find_path(np.zeros((3, 5)), (0, 0), (0, 4), barred=barred).found
+
+
+def test_corner_cutting():
+    risk = np.array([[0.0, 1.0], [1.0, 0.0]])
+    assert find_path(risk, (0, 0), (1, 1)).found
+    assert not find_path(risk, (0, 0), (1, 1), corner_cutting=False).found
+    risk[0, 1] = 0.0
+    detour = find_path(risk, (0, 0), (1, 1), corner_cutting=False)
+    assert detour.path.tolist() == [[0, 0], [0, 1], [1, 1]]
+
+
+def test_diagonal_steps_cost_what_was_asked():
+    risk = np.zeros((4, 4))
+    unit = find_path(risk, (0, 0), (3, 3), "g1", epsilon=0.5)
+    octile = find_path(risk, (0, 0), (3, 3), "g1", epsilon=0.5, diagonal="sqrt2")
+    assert unit.g1 == pytest.approx(0.5 * 4)
+    assert octile.g1 == pytest.approx(0.5 + 0.5 * 3 * math.sqrt(2))
+
+
+def test_epsilon_zero_on_a_map_of_zeros():
+    result = find_path(np.zeros((4, 4)), (0, 0), (3, 3), epsilon=0.0)
+    assert result.found
+    assert result.g1 == 0.0
+
+
+def test_free_space_is_crossed_straight():
+    """Ties: of all the paths of 20 steps, the one without a needless diagonal."""
+    result = find_path(np.zeros((21, 21)), (10, 0), (10, 20))
+    assert result.path.tolist() == [[10, k] for k in range(21)]
+    assert result.expanded == 20
+
+
+def test_a3_goes_straight_for_the_goal_while_the_maximum_stays():
+    risk = np.full((30, 30), 0.3)
+    result = find_path(risk, (3, 4), (25, 20), "g3", adjacency=4)
+    assert len(result.path) == 1 + 22 + 16
+    assert result.expanded == 22 + 16
+
+
+def test_the_same_request_has_the_same_answer():
+    risk = np.random.default_rng(3).integers(0, 3, (40, 40)) / 4
+    first = find_path(risk, (1, 1), (38, 38))
+    again = find_path(risk.copy(), (1, 1), (38, 38))
+    assert first.path.tolist() == again.path.tolist()
+
+
+def test_arguments_are_left_alone_in_any_layout():
+    risk = np.asfortranarray(np.random.default_rng(1).random((20, 30)))
+    before = risk.copy()
+    result = find_path(risk, (0, 0), (19, 29), alpha=1.0)
+    np.testing.assert_array_equal(risk, before)
+    listed = find_path(before.tolist(), [0, 0], np.array([19, 29]), alpha=1.0)
+    assert listed.path.tolist() == result.path.tolist()
+    single = find_path(before.astype(np.float32), (0, 0), (19, 29), alpha=1.0)
+    assert single.found
+
+
+GRID = np.zeros((3, 4))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "options", "words"),
+    [
+        ((GRID, (3, 0), (0, 0)), {}, "start.*row 3.*3 rows and 4 columns"),
+        ((GRID, (0, 0), (0, -1)), {}, "goal.*column -1.*outside"),
+        ((GRID, (0.5, 0), (0, 0)), {}, "start.*whole numbers"),
+        ((GRID, (0, 0, 0), (0, 0)), {}, "start.*whole numbers"),
+        ((GRID, None, (0, 0)), {}, "start.*whole numbers"),
+        ((GRID, (0, 0), (1, 1)), {"cost": "g4"}, "cost.*g1, g2, g3.*'g4'"),
+        ((GRID, (0, 0), (1, 1)), {"adjacency": 6}, "adjacency.*4, 8.*6"),
+        ((GRID, (0, 0), (1, 1)), {"alpha": math.nan}, "alpha.*nan"),
+        ((GRID, (0, 0), (1, 1)), {"alpha": 1.1}, "alpha.*1.1"),
+        ((GRID, (0, 0), (1, 1)), {"alpha": -0.1}, "alpha.*-0.1"),
+        ((GRID, (0, 0), (1, 1)), {"epsilon": -0.1}, "epsilon.*-0.1"),
+        ((GRID, (0, 0), (1, 1)), {"epsilon": math.inf}, "epsilon.*inf"),
+        ((GRID, (0, 0), (1, 1)), {"diagonal": "long"}, "diagonal.*'long'"),
+        ((GRID, (0, 0), (1, 1)), {"cut": np.zeros((4, 3))}, r"cut.*\(3, 4\).*\(4, 3\)"),
+        ((GRID, (0, 0), (1, 1)), {"cut": np.full((3, 4), math.nan)}, "cut.*NaN"),
+        ((GRID, (0, 0), (1, 1)), {"barred": np.zeros((4, 3), dtype=bool)}, r"barred.*\(4, 3\)"),
+        ((GRID, (0, 0), (1, 1)), {"barred": np.zeros((3, 4))}, "barred.*bool.*float64"),
+        ((np.full((3, 4), math.nan), (0, 0), (1, 1)), {}, "risk.*nan"),
+        ((np.full((3, 4), 2.0), (0, 0), (1, 1)), {}, "risk.*2.0"),
+        ((np.zeros(4), (0, 0), (1, 1)), {}, "risk.*shape"),
+    ],
+)
+def test_bad_input_is_refused(arguments, options, words):
+    with pytest.raises(ValueError, match=words):
+        find_path(*arguments, **options)
+
+
+def test_admissible_cells_takes_its_shape_from_the_map():
+    assert admissible_cells([[0.5, 0.7]], 0.6).tolist() == [[True, False]]
+    assert admissible_cells(np.zeros((0, 3)), 0.6).shape == (0, 3)
+
+
+def test_nothing_is_compiled_after_warm_up():
+    if not compiled():
+        pytest.skip("numba is not installed")
+    from fuzzy_navigation import kernels
+
+    warm_up()
+    before = [len(kernels.best_first.signatures), len(kernels.trace.signatures)]
+    risk = np.random.default_rng(0).random((10, 10)).astype(np.float32)
+    for cost in ("g1", "g2", "g3"):
+        for adjacency in (np.int32(4), 8):
+            for diagonal in ("unit", "sqrt2"):
+                find_path(risk, (0, 0), (9, 9), cost, 1, adjacency, epsilon=1, diagonal=diagonal)
+    find_path(np.ones((10, 10), dtype=np.uint8), (0, 0), (9, 9), alpha=1)
+    assert [len(kernels.best_first.signatures), len(kernels.trace.signatures)] == before
+    assert before == [1, 1]
