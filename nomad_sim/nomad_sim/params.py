@@ -1,0 +1,441 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""Parameters of the simulated robot and its sensors, declared once.
+
+"Paper" in a source is Oriolo, Ulivi, Vendittelli, IEEE Trans. SMC-B 28(3), 1998. What
+neither the paper nor the NOMAD 200's published limits give is marked as assumed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from fuzzy_map_building.parameter_schema import (
+    ParameterError,
+    from_mapping,
+    parameter,
+    validate,
+)
+
+__all__ = [
+    "CrosstalkParameters",
+    "InfraredParameters",
+    "OdometryParameters",
+    "OutlierParameters",
+    "RobotParameters",
+    "SimulatorParameters",
+    "SonarParameters",
+    "TurretParameters",
+    "simulator_parameters",
+]
+
+#: Radius of the NOMAD 200's cylindrical body [m] (paper, section II).
+ROBOT_RADIUS = 0.23
+#: Sensors in each of the NOMAD 200's rings (paper, sections III-A and IV-B).
+RING_COUNT = 16
+_RING = tuple(i * 2.0 * math.pi / RING_COUNT for i in range(RING_COUNT))
+
+
+def _check_ring(group: str, frame_ids: tuple[str, ...], count: int) -> None:
+    if not frame_ids:
+        raise ParameterError(f"parameter '{group}.frame_ids' must name at least one sensor")
+    if len(frame_ids) != count:
+        raise ParameterError(
+            f"'{group}.frame_ids' names {len(frame_ids)} sensors but '{group}.bearings' gives "
+            f"{count} directions; give both for every sensor"
+        )
+    if len(set(frame_ids)) != len(frame_ids):
+        raise ParameterError(f"'{group}.frame_ids' names a frame twice")
+
+
+def _check_limits(group: str, low: float, high: float) -> None:
+    if low >= high:
+        raise ParameterError(
+            f"'{group}.min_range' ({low} m) must be below '{group}.max_range' ({high} m)"
+        )
+
+
+@dataclass(frozen=True)
+class OutlierParameters:
+    """Sonar readings that have nothing to do with the world in front of the sensor."""
+
+    short: float = parameter(
+        0.0,
+        doc="probability that a reading is replaced by a shorter one, anywhere between "
+        "min_range and the range it would have had",
+        minimum=0.0,
+        maximum=1.0,
+    )
+    lost: float = parameter(
+        0.0, doc="probability that an echo is not detected", minimum=0.0, maximum=1.0
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+        if self.short + self.lost > 1.0:
+            raise ParameterError(
+                f"'sonar.outlier.short' ({self.short}) and 'sonar.outlier.lost' ({self.lost}) "
+                f"are probabilities of one draw: their sum must not exceed 1"
+            )
+
+
+@dataclass(frozen=True)
+class CrosstalkParameters:
+    """Pulses of sonars fired together that arrive at another sonar of their group."""
+
+    enabled: bool = parameter(
+        False,
+        doc="whether a sonar also hears pulses of the sonars fired at the same time",
+    )
+    reflections: int = parameter(
+        2,
+        doc="most specular reflections of a pulse on its way to another sonar",
+        minimum=1,
+        maximum=4,
+        source="assumed",
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@dataclass(frozen=True)
+class SonarParameters:
+    """The ring of ultrasonic range finders on the turret."""
+
+    frame_ids: tuple[str, ...] = parameter(
+        tuple(f"sonar_{i}" for i in range(RING_COUNT)),
+        doc="frame of each sonar, in the order of the bearings",
+        read_only=True,
+        source="paper, section III-A",
+    )
+    bearings: tuple[float, ...] = parameter(
+        _RING,
+        doc="direction of each sonar's axis from the turret's x axis",
+        unit="rad",
+        minimum=-2.0 * math.pi,
+        maximum=2.0 * math.pi,
+        read_only=True,
+        source="paper, section III-A",
+    )
+    mount_radius: float = parameter(
+        ROBOT_RADIUS,
+        doc="distance of the sonars' faces from the robot's centre",
+        unit="m",
+        minimum=0.0,
+        maximum=5.0,
+        read_only=True,
+        source="paper, section II",
+    )
+    beam_half_angle: float = parameter(
+        math.radians(10.0),
+        doc="half angle of the beam inside which a surface gives an echo; narrower than the "
+        "12.5 deg of the main lobe since the sound fades towards its border",
+        unit="rad",
+        minimum=math.radians(0.1),
+        maximum=math.radians(60.0),
+        source="assumed; paper, section III-A: main lobe of 25 deg in all",
+    )
+    min_range: float = parameter(
+        0.12,
+        doc="an echo from nearer reads as -inf (REP 117)",
+        unit="m",
+        minimum=0.0,
+        maximum=10.0,
+        source="paper, section III-A",
+    )
+    max_range: float = parameter(
+        6.5,
+        doc="an echo from farther away is lost and reads as +inf (REP 117)",
+        unit="m",
+        minimum=0.01,
+        maximum=100.0,
+        source="paper, section III-A",
+    )
+    range_noise: float = parameter(
+        0.01,
+        doc="standard deviation of the range, as a share of it",
+        minimum=0.0,
+        maximum=1.0,
+        source="paper, section III-A: 1 % accuracy",
+    )
+    edge_echo: bool = parameter(
+        True,
+        doc="whether edges, corners and free wall ends send an echo back in every direction",
+        source="method; corners and edges are the features of Kuc and Siegel, IEEE PAMI 9(6), "
+        "1987",
+    )
+    reflections: int = parameter(
+        1,
+        doc="most specular reflections after which an echo still comes back, longer than the "
+        "way to the surface in the beam; 0: what falls in beyond the critical angle is lost",
+        minimum=0,
+        maximum=4,
+        source="paper, section III-A and Fig. 4b",
+    )
+    firing_slots: tuple[int, ...] = parameter(
+        tuple(i % 4 for i in range(RING_COUNT)),
+        doc="slot of the firing cycle in which each sonar fires; those of one slot fire at the "
+        "same time. The default fires four sonars 90 deg apart",
+        minimum=0,
+        maximum=1023,
+        read_only=True,
+        source="assumed; paper, section III-A: fired in a sequence of least interference",
+    )
+    firing_interval: float = parameter(
+        0.04,
+        doc="time from one slot to the next; an echo from max_range takes 38 ms",
+        unit="s",
+        minimum=0.001,
+        maximum=10.0,
+        read_only=True,
+        source="assumed",
+    )
+    outlier: OutlierParameters = field(default_factory=OutlierParameters)
+    crosstalk: CrosstalkParameters = field(default_factory=CrosstalkParameters)
+
+    def __post_init__(self) -> None:
+        validate(self)
+        _check_ring("sonar", self.frame_ids, len(self.bearings))
+        _check_limits("sonar", self.min_range, self.max_range)
+        if len(self.firing_slots) != len(self.bearings):
+            raise ParameterError(
+                f"'sonar.firing_slots' gives {len(self.firing_slots)} slots for "
+                f"{len(self.bearings)} sonars; give one for every sonar"
+            )
+
+
+@dataclass(frozen=True)
+class InfraredParameters:
+    """The ring of infrared proximity sensors on the base."""
+
+    frame_ids: tuple[str, ...] = parameter(
+        tuple(f"infrared_{i}" for i in range(RING_COUNT)),
+        doc="frame of each sensor, in the order of the bearings",
+        read_only=True,
+        source="paper, section IV-B",
+    )
+    bearings: tuple[float, ...] = parameter(
+        _RING,
+        doc="direction of each sensor from the robot's heading",
+        unit="rad",
+        minimum=-2.0 * math.pi,
+        maximum=2.0 * math.pi,
+        read_only=True,
+        source="paper, section IV-B",
+    )
+    mount_radius: float = parameter(
+        ROBOT_RADIUS,
+        doc="distance of the sensors' faces from the robot's centre",
+        unit="m",
+        minimum=0.0,
+        maximum=5.0,
+        read_only=True,
+        source="paper, section II",
+    )
+    min_range: float = parameter(
+        0.0,
+        doc="a surface nearer than this reads as -inf (REP 117)",
+        unit="m",
+        minimum=0.0,
+        maximum=10.0,
+        source="assumed",
+    )
+    max_range: float = parameter(
+        0.6,
+        doc="a surface farther away is not seen and reads as +inf (REP 117)",
+        unit="m",
+        minimum=0.01,
+        maximum=20.0,
+        source="assumed: 24 inches",
+    )
+    range_noise: float = parameter(
+        0.005,
+        doc="standard deviation of the range at distance 0",
+        unit="m",
+        minimum=0.0,
+        maximum=1.0,
+        source="method, section 4",
+    )
+    relative_noise: float = parameter(
+        0.02,
+        doc="what the standard deviation grows by, as a share of the range",
+        minimum=0.0,
+        maximum=1.0,
+        source="method, section 4",
+    )
+    sees_glass: bool = parameter(
+        False,
+        doc="whether surfaces whose material lets infrared light through are seen all the same",
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+        _check_ring("infrared", self.frame_ids, len(self.bearings))
+        _check_limits("infrared", self.min_range, self.max_range)
+
+
+@dataclass(frozen=True)
+class RobotParameters:
+    """The body and what its drives can do."""
+
+    radius: float = parameter(
+        ROBOT_RADIUS,
+        doc="radius of the body",
+        unit="m",
+        minimum=0.01,
+        maximum=5.0,
+        read_only=True,
+        source="paper, section II",
+    )
+    max_linear: float = parameter(
+        0.6,
+        doc="largest speed",
+        unit="m/s",
+        minimum=0.01,
+        maximum=10.0,
+        source="NOMAD 200: 24 inches a second",
+    )
+    max_angular: float = parameter(
+        math.radians(60.0),
+        doc="largest turning rate",
+        unit="rad/s",
+        minimum=0.01,
+        maximum=20.0,
+        source="NOMAD 200: 60 deg a second",
+    )
+    linear_acceleration: float = parameter(
+        1.0,
+        doc="largest gain of speed a second",
+        unit="m/s^2",
+        minimum=0.01,
+        maximum=100.0,
+        source="assumed",
+    )
+    linear_deceleration: float = parameter(
+        6.0,
+        doc="largest loss of speed a second; from full speed the robot stands after 0.1 s",
+        unit="m/s^2",
+        minimum=0.01,
+        maximum=100.0,
+        source="assumed",
+    )
+    angular_acceleration: float = parameter(
+        10.0,
+        doc="largest change of the turning rate a second",
+        unit="rad/s^2",
+        minimum=0.01,
+        maximum=1000.0,
+        source="assumed",
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@dataclass(frozen=True)
+class TurretParameters:
+    """The turret that carries the sonars."""
+
+    joint: str = parameter("turret_joint", doc="name of its joint", read_only=True)
+    max_rate: float = parameter(
+        math.radians(60.0),
+        doc="rate at which it turns",
+        unit="rad/s",
+        minimum=0.01,
+        maximum=20.0,
+        source="NOMAD 200: 60 deg a second",
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@dataclass(frozen=True)
+class OdometryParameters:
+    """Drift of the odometry, a random walk in the distance driven and the angle turned."""
+
+    distance_noise: float = parameter(
+        0.02,
+        doc="standard deviation of the distance after one metre; grows with its square root",
+        unit="m/sqrt(m)",
+        minimum=0.0,
+        maximum=1.0,
+        source="assumed",
+    )
+    turning_noise: float = parameter(
+        math.radians(1.0),
+        doc="standard deviation of the heading after turning by one radian",
+        unit="rad/sqrt(rad)",
+        minimum=0.0,
+        maximum=1.0,
+        source="assumed",
+    )
+    heading_drift: float = parameter(
+        math.radians(1.0),
+        doc="standard deviation of the heading after driving one metre",
+        unit="rad/sqrt(m)",
+        minimum=0.0,
+        maximum=1.0,
+        source="assumed",
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@dataclass(frozen=True)
+class SimulatorParameters:
+    """All parameters of the simulator."""
+
+    seed: int = parameter(
+        0,
+        doc="from it come all random numbers; the same seed and commands give the same run",
+        minimum=0,
+        maximum=2**63 - 1,
+        read_only=True,
+    )
+    noise: bool = parameter(
+        True,
+        doc="whether anything is random; if not, ranges are exact, there are no outliers and "
+        "the odometry does not drift",
+        read_only=True,
+    )
+    sonar: SonarParameters = field(default_factory=SonarParameters)
+    infrared: InfraredParameters = field(default_factory=InfraredParameters)
+    robot: RobotParameters = field(default_factory=RobotParameters)
+    turret: TurretParameters = field(default_factory=TurretParameters)
+    odometry: OdometryParameters = field(default_factory=OdometryParameters)
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+def simulator_parameters(
+    overrides: Mapping[str, Any] | None = None,
+    world_overrides: Mapping[str, Any] | None = None,
+) -> SimulatorParameters:
+    """Return the parameters of a simulator.
+
+    Parameters
+    ----------
+    overrides : mapping, optional
+        Values that differ from the defaults, by dotted name or nested; the last word.
+    world_overrides : mapping, optional
+        `World.parameters`, what the world's file asks for.
+
+    Raises
+    ------
+    ParameterError
+        For an unknown name (with the nearest known one) or a refused value.
+
+    Examples
+    --------
+    >>> simulator_parameters({"sonar.reflections": 0}).sonar.reflections
+    0
+    """
+    base = from_mapping(SimulatorParameters(), world_overrides or {})
+    return from_mapping(base, overrides or {})

@@ -1,0 +1,292 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""The simulated robot in its world, step by step."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from fuzzy_map_building.grid import GridGeometry
+from fuzzy_map_building.types import Pose2
+from numpy.typing import NDArray
+
+from nomad_sim.ground_truth import occupancy
+from nomad_sim.infrared import InfraredRing
+from nomad_sim.odometry import Odometry
+from nomad_sim.params import SimulatorParameters, simulator_parameters
+from nomad_sim.robot import Velocity, arc, next_velocity, turned
+from nomad_sim.sonar import SonarEvent, SonarRing
+from nomad_sim.surfaces import Surfaces
+from nomad_sim.world import World
+
+__all__ = ["Simulator"]
+
+FloatArray = NDArray[np.float64]
+
+_NANO = 1_000_000_000
+# Parts of a step after each of which contact is checked.
+_PARTS = 5
+# Clearance at which a touch is over [m].
+_RELEASE = 1e-3
+# Longest step [s].
+_LONGEST = 1.0
+# Largest angle that the turret is sent to [rad].
+_TURRET_LIMIT = 1e3
+
+
+class Simulator:
+    """A robot that drives through a world, measures, and touches what it runs into.
+
+    All random numbers come from one seed, in a stream of their own for every kind of
+    sensor, each with a fixed number of draws: the same seed and commands give the same
+    run, and switching one kind of noise off leaves the others as they were.
+
+    Parameters
+    ----------
+    world : World
+        Where it drives.
+    parameters : SimulatorParameters, optional
+        By default those that the world asks for.
+    start : Pose2, optional
+        Where it starts; by default at the world's start.
+
+    Raises
+    ------
+    ValueError
+        If the robot would start in contact with something.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        parameters: SimulatorParameters | None = None,
+        start: Pose2 | None = None,
+    ) -> None:
+        self.world = world
+        self.parameters = (
+            parameters
+            if parameters is not None
+            else simulator_parameters(world_overrides=world.parameters)
+        )
+        self._start = start if start is not None else world.start
+        free = world.surfaces().distance(self._start.x, self._start.y)
+        if free < self.parameters.robot.radius:
+            raise ValueError(
+                f"the robot cannot start at ({self._start.x:g}, {self._start.y:g}) m in world "
+                f"'{world.name}': its body of radius {self.parameters.robot.radius:g} m would "
+                f"overlap an obstacle, whose surface is at {free:.3f} m; choose another start"
+            )
+        self.reset()
+
+    def reset(self) -> None:
+        """Begin again: the same start, time 0, the same random numbers."""
+        p = self.parameters
+        seeds = np.random.SeedSequence(p.seed).spawn(4)
+        streams = [np.random.default_rng(seed) if p.noise else None for seed in seeds]
+        self._sonars = SonarRing(p.sonar, p.robot.radius, streams[0], streams[1])
+        self._infrareds = InfraredRing(p.infrared, streams[2])
+        self._odometry = Odometry(p.odometry, self._start, streams[3])
+        self._nanoseconds = 0
+        self._firing_interval = max(1, round(p.sonar.firing_interval * _NANO))
+        self._fired = 0
+        self._pose = self._start
+        self._velocity = Velocity()
+        self._turret_angle = 0.0
+        self._turret_target = 0.0
+        self._perceptions = 0
+        self._contact = False
+        self._contacts = 0
+        self._events: list[SonarEvent] = []
+        self._clearance = self._clearance_at(self._pose, self._surfaces(0))
+        self._least_clearance = self._clearance
+        self._infrared = self._infrareds.read(self._pose, self._surfaces(0))
+
+    # What the robot is told.
+
+    def step(self, linear: float, angular: float, dt: float = 0.05) -> None:
+        """Let time pass under one command.
+
+        Parameters
+        ----------
+        linear, angular : float
+            Speed [m/s] and turning rate [rad/s] wanted; the drives approach them within
+            their limits.
+        dt : float
+            Time [s], rounded to nanoseconds.
+
+        Raises
+        ------
+        ValueError
+            If a value is not finite, or `dt` is not above 0 and at most 1 s.
+        """
+        if not (math.isfinite(linear) and math.isfinite(angular)):
+            raise ValueError(f"the commanded velocity must be finite, got ({linear}, {angular})")
+        if not (1e-9 <= dt <= _LONGEST):
+            raise ValueError(f"a step lasts between 1 ns and {_LONGEST:g} s, got {dt} s")
+        command = Velocity(linear, angular)
+        start, duration = self._nanoseconds, round(dt * _NANO)
+        self._events = []
+        for part in range(_PARTS):
+            begin = start + duration * part // _PARTS
+            end = start + duration * (part + 1) // _PARTS
+            if end > begin:
+                self._advance(command, begin, end)
+        self._infrared = self._infrareds.read(self._pose, self._surfaces(self._nanoseconds))
+
+    def command_turret(self, angle: float) -> None:
+        """Send the turret to an angle [rad] from the robot's heading.
+
+        Raises
+        ------
+        ValueError
+            If the angle is not finite or beyond 1000 rad.
+        """
+        if not abs(angle) <= _TURRET_LIMIT:
+            raise ValueError(
+                f"a turret angle must be finite and within {_TURRET_LIMIT:g} rad, got {angle}"
+            )
+        self._turret_target = float(angle)
+
+    def perception_taken(self) -> None:
+        """Count a perception, for obstacles that come and go with them."""
+        self._perceptions += 1
+
+    # What the robot and its sensors tell.
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return self._nanoseconds / _NANO
+
+    @property
+    def nanoseconds(self) -> int:
+        """Simulated time [ns], exactly."""
+        return self._nanoseconds
+
+    @property
+    def pose(self) -> Pose2:
+        """True pose."""
+        return self._pose
+
+    @property
+    def odometry(self) -> Pose2:
+        """Pose by odometry, which begins at the true one and drifts."""
+        return self._odometry.pose
+
+    @property
+    def velocity(self) -> Velocity:
+        """True velocity."""
+        return self._velocity
+
+    @property
+    def turret_angle(self) -> float:
+        """Angle of the turret from the robot's heading [rad]."""
+        return self._turret_angle
+
+    @property
+    def sonar_events(self) -> list[SonarEvent]:
+        """Readings of the sonars that fired during the last step, in order of time."""
+        return self._events
+
+    def infrared(self) -> FloatArray:
+        """Return the infrared readings at the end of the last step, shape (16,) [m]."""
+        return self._infrared.copy()
+
+    # What only an observer knows.
+
+    @property
+    def contact(self) -> bool:
+        """Whether the body touches something."""
+        return self._contact
+
+    @property
+    def contacts(self) -> int:
+        """Number of touches so far; leaning on a wall is one."""
+        return self._contacts
+
+    @property
+    def perceptions(self) -> int:
+        """Number of perceptions counted."""
+        return self._perceptions
+
+    @property
+    def least_clearance(self) -> float:
+        """Smallest clearance so far [m], looked at five times a step."""
+        return self._least_clearance
+
+    def clearance(self) -> float:
+        """Return the distance [m] between the body and the nearest surface, negative inside."""
+        return self._clearance
+
+    def ground_truth_grid(self, geometry: GridGeometry) -> NDArray[np.bool_]:
+        """Return which cells hold part of an obstacle now, shape (H, W)."""
+        return occupancy(self._surfaces(self._nanoseconds), geometry)
+
+    # How a part of a step goes.
+
+    def _surfaces(self, nanoseconds: int) -> Surfaces:
+        return self.world.surfaces(nanoseconds / _NANO, self._perceptions)
+
+    def _clearance_at(self, pose: Pose2, surfaces: Surfaces) -> float:
+        return surfaces.distance(pose.x, pose.y) - self.parameters.robot.radius
+
+    def _advance(self, command: Velocity, begin: int, end: int) -> None:
+        """Move for a part of a step and fire the sonars that are due in it."""
+        p = self.parameters
+        dt = (end - begin) / _NANO
+        before, turret = self._pose, self._turret_angle
+        velocity = next_velocity(self._velocity, command, p.robot, dt)
+        surfaces = self._surfaces(end)
+        share = self._free_share(before, velocity, dt, surfaces)
+        self._velocity = velocity if share == 1.0 else Velocity()
+        moving = share * dt
+        self._pose = arc(before, velocity.linear, velocity.angular, moving)
+        self._odometry.add(velocity.linear * moving, velocity.angular * moving)
+        self._turret_angle = turned(turret, self._turret_target, p.turret.max_rate * dt)
+        self._nanoseconds = end
+        self._feel(surfaces, blocked=share < 1.0)
+        while (self._fired + 1) * self._firing_interval <= end:
+            due = (self._fired + 1) * self._firing_interval
+            elapsed = (due - begin) / _NANO
+            self._events += self._sonars.fire(
+                self._fired,
+                due / _NANO,
+                arc(before, velocity.linear, velocity.angular, min(elapsed, moving)),
+                turned(turret, self._turret_target, p.turret.max_rate * elapsed),
+                self._surfaces(due),
+            )
+            self._fired += 1
+
+    def _free_share(self, pose: Pose2, velocity: Velocity, dt: float, surfaces: Surfaces) -> float:
+        """Return the share of a movement that the body can make before it touches."""
+        if velocity.linear == 0.0:
+            return 1.0
+        now = self._clearance_at(pose, surfaces)
+
+        def clearance(share: float) -> float:
+            there = arc(pose, velocity.linear, velocity.angular, share * dt)
+            return self._clearance_at(there, surfaces)
+
+        # Whoever is inside an obstacle, since it came over him, may still get out.
+        if clearance(1.0) >= min(0.0, now):
+            return 1.0
+        low, high = 0.0, 1.0
+        for _ in range(30):
+            middle = 0.5 * (low + high)
+            if clearance(middle) >= min(0.0, now):
+                low = middle
+            else:
+                high = middle
+        return low
+
+    def _feel(self, surfaces: Surfaces, *, blocked: bool) -> None:
+        """Update clearance and contact."""
+        self._clearance = self._clearance_at(self._pose, surfaces)
+        self._least_clearance = min(self._least_clearance, self._clearance)
+        if blocked or self._clearance < 0.0:
+            if not self._contact:
+                self._contacts += 1
+            self._contact = True
+        elif self._clearance > _RELEASE:
+            self._contact = False

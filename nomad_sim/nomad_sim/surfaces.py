@@ -1,0 +1,247 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""The surfaces of a world at one moment, as arrays for the loops over rays."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nomad_sim import ray_casting
+
+__all__ = ["MAX_CROSSINGS", "Outline", "Surfaces"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+#: Most crossings of surfaces that are accepted.
+MAX_CROSSINGS = 20_000
+
+# Two faces that meet at less than this from straight on give no echo at their joint.
+_STRAIGHT = math.radians(5.0)
+# Distance within which ends count as one point [m].
+_SAME = 1e-6
+# How far from a vertex it is looked whether a sector is free [m].
+_PROBE = 1e-4
+
+
+@dataclass(frozen=True, eq=False)
+class Outline:
+    """One wall, polygon or circle with its material.
+
+    Parameters
+    ----------
+    segments : ndarray of float64, shape (N, 4)
+        End points x0, y0, x1, y1 [m].
+    circles : ndarray of float64, shape (M, 3)
+        Centre and radius [m].
+    critical_angle : float
+        Incidence from which on sound is reflected like light [rad].
+    opaque : bool
+        Whether infrared light is sent back.
+    solid : bool
+        Whether the segments enclose an obstacle.
+    """
+
+    segments: FloatArray
+    circles: FloatArray
+    critical_angle: float
+    opaque: bool
+    solid: bool
+
+
+def _counts(outlines: Sequence[Outline]) -> list[int]:
+    return [len(o.segments) for o in outlines] + [len(o.circles) for o in outlines]
+
+
+def _solids(outlines: Sequence[Outline]) -> IntArray:
+    stops = np.cumsum([0] + [len(o.segments) for o in outlines])
+    ranges = [(start, stop) for o, start, stop in zip(outlines, stops[:-1], stops[1:]) if o.solid]
+    return np.array(ranges, dtype=np.int64).reshape(-1, 2)
+
+
+def _crossings(
+    segments: FloatArray, circles: FloatArray, first_segment: int, first_circle: int
+) -> FloatArray:
+    points = np.empty((32, 2))
+    count = ray_casting.crossings(segments, circles, first_segment, first_circle, points)
+    if count > MAX_CROSSINGS:
+        raise ValueError(
+            f"the surfaces of the world cross each other {count} times, more than "
+            f"{MAX_CROSSINGS}; use fewer or simpler shapes"
+        )
+    if count > len(points):
+        points = np.empty((count, 2))
+        ray_casting.crossings(segments, circles, first_segment, first_circle, points)
+    return points[:count]
+
+
+def _directions(point: FloatArray, segments: FloatArray) -> FloatArray:
+    """Return the directions [rad], sorted, in which faces leave a point that they touch."""
+    start, end = segments[:, :2], segments[:, 2:]
+    along = end - start
+    length = np.hypot(along[:, 0], along[:, 1])
+    offset = point - start
+    foot = (offset * along).sum(axis=1) / length
+    across = np.abs(offset[:, 0] * along[:, 1] - offset[:, 1] * along[:, 0]) / length
+    touched = (across < _SAME) & (foot > -_SAME) & (foot < length + _SAME)
+    forth = touched & (foot < length - _SAME)
+    back = touched & (foot > _SAME)
+    angles = np.concatenate(
+        [
+            np.arctan2(along[forth, 1], along[forth, 0]),
+            np.arctan2(-along[back, 1], -along[back, 0]),
+        ]
+    )
+    return np.sort(angles)
+
+
+def _echoes(point: FloatArray, segments: FloatArray, solids: IntArray) -> bool:
+    """Whether an edge or corner seen from some free side of the point is there."""
+    angles = _directions(point, segments)
+    gaps = np.diff(angles, append=angles[0] + 2.0 * math.pi)
+    for angle, gap in zip(angles, gaps):
+        if gap < 1e-6 or abs(gap - math.pi) < _STRAIGHT:
+            continue
+        middle = angle + 0.5 * gap
+        x = point[0] + _PROBE * math.cos(middle)
+        y = point[1] + _PROBE * math.sin(middle)
+        if not ray_casting.inside(x, y, segments, solids):
+            return True
+    return False
+
+
+@dataclass(frozen=True, eq=False)
+class Surfaces:
+    """All surfaces that are there at one moment.
+
+    Surfaces are numbered: first the segments, then the circles.
+
+    Parameters
+    ----------
+    segments : ndarray of float64, shape (N, 4)
+        End points x0, y0, x1, y1 [m].
+    circles : ndarray of float64, shape (M, 3)
+        Centre and radius [m].
+    critical_angles : ndarray of float64, shape (N + M,)
+        Incidence from which on sound is reflected like light [rad].
+    opaque : ndarray of bool, shape (N + M,)
+        Whether infrared light is sent back.
+    solids : ndarray of int64, shape (S, 2)
+        First and past-the-last segment of each polygon that encloses an obstacle.
+    edges : ndarray of float64, shape (K, 2)
+        Edges, corners and free ends, which echo in every direction [m].
+    marks : ndarray of float64, shape (P, 2)
+        Every point where the nearest surface can change: all ends and crossings [m].
+    """
+
+    segments: FloatArray
+    circles: FloatArray
+    critical_angles: FloatArray
+    opaque: BoolArray
+    solids: IntArray
+    edges: FloatArray
+    marks: FloatArray
+
+    @classmethod
+    def of(cls, outlines: Sequence[Outline]) -> Surfaces:
+        """Put outlines together and find the edges and corners that echo.
+
+        A corner is one where two outlines meet or cross as well; faces that continue each
+        other straight on have none, nor has a point with obstacle on all sides.
+
+        Raises
+        ------
+        ValueError
+            If the surfaces cross more than `MAX_CROSSINGS` times.
+        """
+        segments = np.concatenate([np.empty((0, 4))] + [o.segments for o in outlines])
+        circles = np.concatenate([np.empty((0, 3))] + [o.circles for o in outlines])
+        solids = _solids(outlines)
+        met = _crossings(segments, circles, 0, 0)
+        marks = np.concatenate([segments[:, :2], segments[:, 2:], met])
+        marks = marks[np.unique(np.round(marks / _SAME), axis=0, return_index=True)[1]]
+        # Where a circle crosses, its face has no direction of its own: no corner is claimed.
+        corners = [
+            p for p in marks if len(_directions(p, segments)) and _echoes(p, segments, solids)
+        ]
+        return cls(
+            segments=segments,
+            circles=circles,
+            critical_angles=np.repeat([o.critical_angle for o in outlines] * 2, _counts(outlines)),
+            opaque=np.repeat([o.opaque for o in outlines] * 2, _counts(outlines)).astype(bool),
+            solids=solids,
+            edges=np.array(corners).reshape(-1, 2),
+            marks=marks,
+        )
+
+    def shifted(self, x: float, y: float) -> Surfaces:
+        """Return the surfaces moved by (x, y) [m]."""
+        return replace(
+            self,
+            segments=self.segments + (x, y, x, y),
+            circles=self.circles + (x, y, 0.0),
+            edges=self.edges + (x, y),
+            marks=self.marks + (x, y),
+        )
+
+    def joined(self, others: Sequence[Surfaces]) -> Surfaces:
+        """Return these surfaces and others that may cross them, all in one.
+
+        Every part keeps its own edges: where parts touch, no new corner is claimed.
+        """
+        if not others:
+            return self
+        parts = (self, *others)
+        segments = np.concatenate([p.segments for p in parts])
+        circles = np.concatenate([p.circles for p in parts])
+        starts = np.cumsum([0] + [len(p.segments) for p in parts])
+        met = _crossings(segments, circles, len(self.segments), len(self.circles))
+        return Surfaces(
+            segments=segments,
+            circles=circles,
+            critical_angles=_in_order(parts, [p.critical_angles for p in parts]),
+            opaque=_in_order(parts, [p.opaque for p in parts]),
+            solids=np.concatenate([p.solids + start for p, start in zip(parts, starts)]),
+            edges=np.concatenate([p.edges for p in parts]),
+            marks=np.concatenate([p.marks for p in parts] + [met]),
+        )
+
+    @cached_property
+    def seen_by_infrared(self) -> tuple[FloatArray, FloatArray]:
+        """Segments and circles that send infrared light back, shapes (N', 4) and (M', 3)."""
+        count = len(self.segments)
+        return self.segments[self.opaque[:count]], self.circles[self.opaque[count:]]
+
+    def distance(self, x: float, y: float) -> float:
+        """Return the distance [m] of (x, y) [m] to the nearest surface, negative inside."""
+        return ray_casting.nearest_distance(x, y, self.segments, self.circles, self.solids)
+
+    def distances(self, x: FloatArray, y: FloatArray) -> FloatArray:
+        """Return the `distance` [m] of all points of a grid.
+
+        Parameters
+        ----------
+        x : ndarray of float64, shape (W,)
+        y : ndarray of float64, shape (H,)
+            Coordinates of its columns and rows [m].
+
+        Returns
+        -------
+        ndarray of float64, shape (H, W)
+        """
+        return ray_casting.nearest_distances(x, y, self.segments, self.circles, self.solids)
+
+
+def _in_order(parts: Sequence[Surfaces], values: Sequence[NDArray]) -> NDArray:
+    """Concatenate values of surfaces, those of all segments before those of all circles."""
+    counts = [len(p.segments) for p in parts]
+    return np.concatenate(
+        [v[:n] for v, n in zip(values, counts)] + [v[n:] for v, n in zip(values, counts)]
+    )
