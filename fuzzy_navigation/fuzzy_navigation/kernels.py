@@ -7,8 +7,9 @@ from __future__ import annotations
 import heapq
 
 import numpy as np
-from fuzzy_map_building.jit import njit
 from numpy.typing import NDArray
+
+from fuzzy_map_building.jit import njit
 
 __all__ = ["best_first", "trace"]
 

@@ -7,6 +7,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -118,7 +119,7 @@ class PlannerParameters:
         ladder = self.alpha_ladder
         if not ladder:
             raise ParameterError("parameter 'alpha_ladder' needs at least one rung, got none")
-        if ladder[0] <= 0.0 or any(b <= a for a, b in zip(ladder, ladder[1:])):
+        if ladder[0] <= 0.0 or any(b <= a for a, b in itertools.pairwise(ladder)):
             raise ParameterError(
                 "parameter 'alpha_ladder' must start above 0 and rise from rung to rung, "
                 f"got {list(ladder)}"

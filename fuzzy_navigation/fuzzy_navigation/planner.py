@@ -15,11 +15,11 @@ from dataclasses import dataclass, field
 from enum import IntEnum
 
 import numpy as np
-from fuzzy_map_building.grid import GridGeometry
-from fuzzy_map_building.types import Pose2
 from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage
 
+from fuzzy_map_building.grid import GridGeometry
+from fuzzy_map_building.types import Pose2
 from fuzzy_navigation.params import PlannerParameters
 from fuzzy_navigation.risk import augment, checked_risk, path_risks
 from fuzzy_navigation.search import COSTS, admissible_cells, find_path

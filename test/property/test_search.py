@@ -2,17 +2,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """A1, A2 and A3 against exact solvers that share no code with them, on random maps."""
 
+import itertools
 import math
 from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from fuzzy_navigation.search import find_path
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components, dijkstra
+
+from fuzzy_navigation.search import find_path
 
 MAPS = 1000
 BATCH = 100
@@ -154,7 +156,7 @@ def check_path(problem, result):
     factor = math.sqrt(2) if problem.options["diagonal"] == "sqrt2" else 1.0
     mu = problem.mu
     g1, g2, g3 = mu[path[0]], mu[path[0]] ** 2, mu[path[0]]
-    for (a, b), (c, d) in zip(path[:-1], path[1:], strict=True):
+    for (a, b), (c, d) in itertools.pairwise(path):
         step = abs(a - c) + abs(b - d)
         assert max(abs(a - c), abs(b - d)) == 1
         assert step == 1 or problem.options["adjacency"] == 8
@@ -275,4 +277,4 @@ def test_a_higher_cut_never_costs_more(seed, cost):
         problem.options["alpha"] = alpha
         result = find_path(problem.risk, problem.start, problem.goal, cost, **problem.options)
         costs.append(getattr(result, cost))
-    assert all(b <= a * (1 + 1e-12) for a, b in zip(costs[:-1], costs[1:], strict=True))
+    assert all(b <= a * (1 + 1e-12) for a, b in itertools.pairwise(costs))

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from fuzzy_navigation.search import find_path
 
 DATA = Path(__file__).parents[1] / "data" / "grid_maps"

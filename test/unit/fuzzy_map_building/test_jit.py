@@ -7,6 +7,7 @@ import subprocess
 import sys
 
 import pytest
+
 from fuzzy_map_building.jit import compiled, njit
 
 KERNEL = """

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+
 from fuzzy_map_building.parameter_schema import ParameterError, describe, flatten
 from fuzzy_navigation.params import (
     DEFAULT_PRESET,
@@ -91,7 +92,7 @@ def test_bad_values_are_refused(make, overrides, words):
 
 @pytest.mark.parametrize("make", [planner_parameters, motion_parameters])
 def test_unknown_presets_are_refused(make):
-    with pytest.raises(ParameterError, match="oriolo1999.*did you mean 'oriolo1998'"):
+    with pytest.raises(ParameterError, match=r"oriolo1999.*did you mean 'oriolo1998'"):
         make("oriolo1999")
 
 

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+
 from fuzzy_navigation.risk import alpha_cut, augment, beta_cut, checked_risk, path_risks
 
 
@@ -94,7 +95,7 @@ def test_augmentation_refuses_bad_input(arguments, words):
 def test_a_refused_map_is_named_with_its_first_wrong_cell():
     risk = np.zeros((4, 6))
     risk[2, 5] = math.nan
-    with pytest.raises(ValueError, match="M_p.*1 cells.*row 2, column 5: nan"):
+    with pytest.raises(ValueError, match=r"M_p.*1 cells.*row 2, column 5: nan"):
         checked_risk(risk, "M_p")
 
 
@@ -124,5 +125,5 @@ def test_path_risks_of_one_cell():
 def test_path_risks_refuses_bad_input():
     with pytest.raises(ValueError, match="at least one cell"):
         path_risks(np.ones((2, 2)), np.empty((0, 2), dtype=np.int64))
-    with pytest.raises(ValueError, match="unit, sqrt2.*cubic"):
+    with pytest.raises(ValueError, match=r"unit, sqrt2.*cubic"):
         path_risks(np.ones((2, 2)), np.array([[0, 0]]), "cubic")

@@ -10,6 +10,7 @@ import sys
 
 import numpy as np
 import pytest
+
 from fuzzy_map_building.jit import compiled
 from fuzzy_navigation.search import admissible_cells, find_path, warm_up
 
