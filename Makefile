@@ -12,13 +12,14 @@ TEST_ARGS ?=
 
 export PYTHON
 
-.PHONY: help demo build test lint coverage requirements clean
+.PHONY: help demo build test shell lint coverage requirements clean
 
 help:
 	@echo 'make demo          the robot crosses an unknown laboratory; results in build/demo'
 	@echo '                   (DEMO_ARGS="--world office --seed 3" for other runs)'
 	@echo 'make test          build, then every test of every package'
 	@echo 'make build         the environment (.venv, or a sourced ROS 2 Jazzy) and all packages'
+	@echo 'make shell         a shell in which install/<package>/lib/<package>/<executable> runs'
 	@echo 'make lint          ruff, mypy and the import contracts'
 	@echo 'make coverage      line and branch coverage: the cores, and all'
 	@echo 'make requirements  resolve .ci/requirements.in into requirements.txt again'
@@ -33,6 +34,9 @@ demo: build
 
 test: build
 	@.ci/in_environment .ci/test $(TEST_ARGS)
+
+shell: build
+	@.ci/in_environment "$${SHELL:-/bin/sh}" -i
 
 lint: build
 	@.ci/in_environment .ci/lint
