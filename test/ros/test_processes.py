@@ -14,6 +14,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+
 from fuzzy_navigation.ros.processes import (
     DISCOVERY_RANGE,
     Ended,

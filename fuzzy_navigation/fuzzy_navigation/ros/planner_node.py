@@ -1,0 +1,176 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""The node ``fuzzy_planner``: paths of least risk on the newest planning map.
+
+The header of every answer's path carries the stamp of the planning map that the answer
+rests on, also when there is no path: whoever has just had a map built can tell whether the
+planner knew it.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections import Counter
+from collections.abc import Mapping
+from typing import Final
+
+from builtin_interfaces.msg import Time
+from fuzzy_map_building.grid import GridGeometry
+from fuzzy_map_building.ros import names, qos
+from fuzzy_map_building.ros.clock import seconds_from_stamp
+from fuzzy_map_building.ros.conversions import Refused, path_to_msg, risk_from_msg
+from fuzzy_map_building.ros.diagnostics import Diagnostics
+from fuzzy_map_building.ros.parameters import declare_parameters
+from fuzzy_map_building.ros.run import spin_node
+from fuzzy_msgs.srv import PlanPath
+from geometry_msgs.msg import PoseStamped
+from nav_msgs.msg import OccupancyGrid, Path
+from nav_msgs.srv import GetPlan
+from rclpy.node import Node
+
+from fuzzy_navigation.params import PLANNER_PRESETS, PlannerParameters, planner_parameters
+from fuzzy_navigation.planner import Planner, PlanResult, PlanStatus
+from fuzzy_navigation.ros.requests import requested_pose
+from fuzzy_navigation.search import warm_up
+
+__all__ = ["PlannerNode", "main"]
+
+#: Names of the costs that a request can ask for; None is the planner's own.
+_COSTS: Final[Mapping[int, str | None]] = {
+    PlanPath.Request.DEFAULT: None,
+    PlanPath.Request.G1: "g1",
+    PlanPath.Request.G2: "g2",
+    PlanPath.Request.G3: "g3",
+}
+#: Where the planner lies until the first map: it then answers that it has none.
+_NOWHERE: Final = GridGeometry(1, 1, 1.0)
+
+
+class PlannerNode(Node):
+    """Keeps the newest planning map and answers ``plan_path`` and ``get_plan`` on it."""
+
+    def __init__(self) -> None:
+        super().__init__(names.PLANNER_NODE)
+        self._parameters = declare_parameters(
+            self, planner_parameters, PLANNER_PRESETS, on_change=self._use_parameters
+        )
+        self._planner = Planner(_NOWHERE, self._parameters.values)
+        self._map: OccupancyGrid | None = None
+        self._answers: Counter[str] = Counter()
+        self._last_time = 0.0
+        warm_up()  # before the first request, which would otherwise wait for the compiler
+        self._diagnostics = Diagnostics(self, values=self._values, problem=self._problem)
+        self._plan_publisher = self.create_publisher(Path, names.PLAN, qos.LATCHED)
+        self.create_subscription(OccupancyGrid, names.PLANNING_MAP, self._on_map, qos.LATCHED)
+        self.create_service(PlanPath, names.PLAN_PATH, self._on_plan_path)
+        self.create_service(GetPlan, names.GET_PLAN, self._on_get_plan)
+
+    def _on_map(self, message: OccupancyGrid) -> None:
+        try:
+            self._planner = self._planner_on(message, self._parameters.values)
+        except Refused as refusal:
+            self._diagnostics.reject(names.PLANNING_MAP, refusal.reason, str(refusal))
+            return
+        self._map = message
+
+    def _use_parameters(self, parameters: PlannerParameters) -> None:
+        if self._map is None:
+            self._planner = Planner(_NOWHERE, parameters)
+        else:
+            self._planner = self._planner_on(self._map, parameters)
+
+    def _planner_on(self, message: OccupancyGrid, parameters: PlannerParameters) -> Planner:
+        geometry, risk = risk_from_msg(message, "the planning map")
+        planner = Planner(geometry, parameters)
+        planner.set_map(risk)
+        return planner
+
+    def _on_plan_path(
+        self, request: PlanPath.Request, response: PlanPath.Response
+    ) -> PlanPath.Response:
+        began = time.perf_counter()
+        if request.cost in _COSTS:
+            result = self._plan(
+                request.start,
+                request.goal,
+                _COSTS[request.cost],
+                request.alpha,
+                request.adjacency,
+                request.tolerance,
+            )
+        else:
+            known = ", ".join(map(str, sorted(_COSTS)))
+            result = _bad_request(f"cost must be one of {known}, got {request.cost}")
+        response.path = self._answer(names.PLAN_PATH, result)
+        response.status = int(result.status)
+        response.message = result.message
+        response.g1, response.g2, response.g3 = result.g1, result.g2, result.g3
+        response.alpha = result.alpha
+        response.expanded_cells = result.expanded
+        response.planning_time = self._last_time = time.perf_counter() - began
+        return response
+
+    def _on_get_plan(
+        self, request: GetPlan.Request, response: GetPlan.Response
+    ) -> GetPlan.Response:
+        result = self._plan(request.start, request.goal, tolerance=request.tolerance)
+        response.plan = self._answer(names.GET_PLAN, result)
+        if result.status is not PlanStatus.FOUND:
+            # The response has no field for the reason.
+            self.get_logger().warning(f"{names.GET_PLAN}: {result.message}")
+        return response
+
+    def _plan(
+        self,
+        start: PoseStamped,
+        goal: PoseStamped,
+        cost: str | None = None,
+        alpha: float = 0.0,
+        adjacency: int = 0,
+        tolerance: float = 0.0,
+    ) -> PlanResult:
+        try:
+            poses = requested_pose(start, "the start"), requested_pose(goal, "the goal")
+        except Refused as refusal:
+            return _bad_request(str(refusal))
+        return self._planner.plan(*poses, cost, alpha, adjacency, tolerance)
+
+    def _answer(self, service: str, result: PlanResult) -> Path:
+        """Count and publish a result, and return its path."""
+        self._answers[result.status.name.lower()] += 1
+        if result.status is PlanStatus.BAD_REQUEST:
+            self._diagnostics.reject(service, "bad_request", result.message)
+        stamp = Time() if self._map is None else self._map.header.stamp
+        path = path_to_msg(result.poses, stamp)
+        if result.status is PlanStatus.FOUND:
+            self._plan_publisher.publish(path)
+        return path
+
+    def _values(self) -> Mapping[str, object]:
+        values: dict[str, object] = {
+            f"plans.{status.name.lower()}": self._answers[status.name.lower()]
+            for status in PlanStatus
+        }
+        values["last_planning_time"] = f"{self._last_time:.6f}"
+        if self._map is not None:
+            values["map_stamp"] = f"{seconds_from_stamp(self._map.header.stamp):.3f}"
+        return values
+
+    def _problem(self) -> str:
+        if self._map is not None:
+            return ""
+        return f"no map has come by '{names.PLANNING_MAP}' yet: is the mapper running?"
+
+
+def _bad_request(reason: str) -> PlanResult:
+    return PlanResult(PlanStatus.BAD_REQUEST, f"request refused: {reason}")
+
+
+def main() -> int:
+    """Run the node until SIGINT or SIGTERM."""
+    return spin_node(PlannerNode)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
