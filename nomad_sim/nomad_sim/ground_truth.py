@@ -8,10 +8,10 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from fuzzy_map_building.grid import GridGeometry
-from fuzzy_map_building.jit import njit
 from numpy.typing import NDArray
 
+from fuzzy_map_building.grid import GridGeometry
+from fuzzy_map_building.jit import njit
 from nomad_sim.params import ROBOT_RADIUS
 from nomad_sim.surfaces import Surfaces
 from nomad_sim.world import World
@@ -67,7 +67,7 @@ def occupancy(surfaces: Surfaces, geometry: GridGeometry) -> BoolArray:
     solid = np.zeros(len(surfaces.segments), dtype=bool)
     for start, stop in surfaces.solids:
         solid[start:stop] = True
-    for segment, of_solid in zip(surfaces.segments, solid):
+    for segment, of_solid in zip(surfaces.segments, solid, strict=True):
         half = 0.5 * geometry.resolution + (-_BORDER if of_solid else _BORDER)
         columns = _span(x, min(segment[0::2]) - half, max(segment[0::2]) + half)
         rows = _span(y, min(segment[1::2]) - half, max(segment[1::2]) + half)

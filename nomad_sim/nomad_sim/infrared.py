@@ -7,9 +7,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from fuzzy_map_building.types import Pose2
 from numpy.typing import NDArray
 
+from fuzzy_map_building.types import Pose2
 from nomad_sim import ray_casting
 from nomad_sim.params import InfraredParameters
 from nomad_sim.surfaces import Surfaces

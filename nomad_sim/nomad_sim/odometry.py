@@ -7,8 +7,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from fuzzy_map_building.types import Pose2
 
+from fuzzy_map_building.types import Pose2
 from nomad_sim.params import OdometryParameters
 from nomad_sim.robot import arc
 
@@ -50,7 +50,7 @@ class Odometry:
         """
         if self._noise is not None:
             p = self._parameters
-            along, across = self._noise.standard_normal(2)
+            along, across = self._noise.standard_normal(2).tolist()
             root = math.sqrt(abs(distance))
             distance += p.distance_noise * root * along
             turn += across * math.hypot(

@@ -13,18 +13,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from fuzzy_map_building.parameter_schema import (
-    ParameterError,
-    from_mapping,
-    parameter,
-    validate,
-)
+from fuzzy_map_building.parameter_schema import ParameterError, from_mapping, parameter, validate
 
 __all__ = [
-    "CrosstalkParameters",
     "InfraredParameters",
     "OdometryParameters",
-    "OutlierParameters",
     "RobotParameters",
     "SimulatorParameters",
     "SonarParameters",
@@ -36,7 +29,39 @@ __all__ = [
 ROBOT_RADIUS = 0.23
 #: Sensors in each of the NOMAD 200's rings (paper, sections III-A and IV-B).
 RING_COUNT = 16
-_RING = tuple(i * 2.0 * math.pi / RING_COUNT for i in range(RING_COUNT))
+
+
+def _frames(kind: str, source: str) -> Any:
+    return parameter(
+        tuple(f"{kind}_{i}" for i in range(RING_COUNT)),
+        doc=f"frame of each {kind} sensor, in the order of the bearings",
+        read_only=True,
+        source=source,
+    )
+
+
+def _bearings(origin: str, source: str) -> Any:
+    return parameter(
+        tuple(i * 2.0 * math.pi / RING_COUNT for i in range(RING_COUNT)),
+        doc=f"direction of each sensor, counter-clockwise from {origin}",
+        unit="rad",
+        minimum=-2.0 * math.pi,
+        maximum=2.0 * math.pi,
+        read_only=True,
+        source=source,
+    )
+
+
+def _mount_radius() -> Any:
+    return parameter(
+        ROBOT_RADIUS,
+        doc="distance of the sensors' faces from the robot's centre",
+        unit="m",
+        minimum=0.0,
+        maximum=5.0,
+        read_only=True,
+        source="paper, section II",
+    )
 
 
 def _check_ring(group: str, frame_ids: tuple[str, ...], count: int) -> None:
@@ -59,77 +84,12 @@ def _check_limits(group: str, low: float, high: float) -> None:
 
 
 @dataclass(frozen=True)
-class OutlierParameters:
-    """Sonar readings that have nothing to do with the world in front of the sensor."""
-
-    short: float = parameter(
-        0.0,
-        doc="probability that a reading is replaced by a shorter one, anywhere between "
-        "min_range and the range it would have had",
-        minimum=0.0,
-        maximum=1.0,
-    )
-    lost: float = parameter(
-        0.0, doc="probability that an echo is not detected", minimum=0.0, maximum=1.0
-    )
-
-    def __post_init__(self) -> None:
-        validate(self)
-        if self.short + self.lost > 1.0:
-            raise ParameterError(
-                f"'sonar.outlier.short' ({self.short}) and 'sonar.outlier.lost' ({self.lost}) "
-                f"are probabilities of one draw: their sum must not exceed 1"
-            )
-
-
-@dataclass(frozen=True)
-class CrosstalkParameters:
-    """Pulses of sonars fired together that arrive at another sonar of their group."""
-
-    enabled: bool = parameter(
-        False,
-        doc="whether a sonar also hears pulses of the sonars fired at the same time",
-    )
-    reflections: int = parameter(
-        2,
-        doc="most specular reflections of a pulse on its way to another sonar",
-        minimum=1,
-        maximum=4,
-        source="assumed",
-    )
-
-    def __post_init__(self) -> None:
-        validate(self)
-
-
-@dataclass(frozen=True)
 class SonarParameters:
     """The ring of ultrasonic range finders on the turret."""
 
-    frame_ids: tuple[str, ...] = parameter(
-        tuple(f"sonar_{i}" for i in range(RING_COUNT)),
-        doc="frame of each sonar, in the order of the bearings",
-        read_only=True,
-        source="paper, section III-A",
-    )
-    bearings: tuple[float, ...] = parameter(
-        _RING,
-        doc="direction of each sonar's axis from the turret's x axis",
-        unit="rad",
-        minimum=-2.0 * math.pi,
-        maximum=2.0 * math.pi,
-        read_only=True,
-        source="paper, section III-A",
-    )
-    mount_radius: float = parameter(
-        ROBOT_RADIUS,
-        doc="distance of the sonars' faces from the robot's centre",
-        unit="m",
-        minimum=0.0,
-        maximum=5.0,
-        read_only=True,
-        source="paper, section II",
-    )
+    frame_ids: tuple[str, ...] = _frames("sonar", "paper, section III-A")
+    bearings: tuple[float, ...] = _bearings("the turret's x axis", "paper, section III-A")
+    mount_radius: float = _mount_radius()
     beam_half_angle: float = parameter(
         math.radians(10.0),
         doc="half angle of the beam inside which a surface gives an echo; narrower than the "
@@ -194,13 +154,33 @@ class SonarParameters:
         read_only=True,
         source="assumed",
     )
-    outlier: OutlierParameters = field(default_factory=OutlierParameters)
-    crosstalk: CrosstalkParameters = field(default_factory=CrosstalkParameters)
+    crosstalk_reflections: int = parameter(
+        0,
+        doc="most specular reflections of a pulse on its way to another sonar fired at the same "
+        "time, which takes it for its own; 0: no crosstalk",
+        minimum=0,
+        maximum=4,
+    )
+    short_outliers: float = parameter(
+        0.0,
+        doc="probability that a reading is replaced by a shorter one, anywhere between "
+        "min_range and the range it would have had",
+        minimum=0.0,
+        maximum=1.0,
+    )
+    lost_outliers: float = parameter(
+        0.0, doc="probability that an echo is not detected", minimum=0.0, maximum=1.0
+    )
 
     def __post_init__(self) -> None:
         validate(self)
         _check_ring("sonar", self.frame_ids, len(self.bearings))
         _check_limits("sonar", self.min_range, self.max_range)
+        if self.short_outliers + self.lost_outliers > 1.0:
+            raise ParameterError(
+                f"'sonar.short_outliers' ({self.short_outliers}) and 'sonar.lost_outliers' "
+                f"({self.lost_outliers}) exclude each other: their sum must not exceed 1"
+            )
         if len(self.firing_slots) != len(self.bearings):
             raise ParameterError(
                 f"'sonar.firing_slots' gives {len(self.firing_slots)} slots for "
@@ -212,30 +192,9 @@ class SonarParameters:
 class InfraredParameters:
     """The ring of infrared proximity sensors on the base."""
 
-    frame_ids: tuple[str, ...] = parameter(
-        tuple(f"infrared_{i}" for i in range(RING_COUNT)),
-        doc="frame of each sensor, in the order of the bearings",
-        read_only=True,
-        source="paper, section IV-B",
-    )
-    bearings: tuple[float, ...] = parameter(
-        _RING,
-        doc="direction of each sensor from the robot's heading",
-        unit="rad",
-        minimum=-2.0 * math.pi,
-        maximum=2.0 * math.pi,
-        read_only=True,
-        source="paper, section IV-B",
-    )
-    mount_radius: float = parameter(
-        ROBOT_RADIUS,
-        doc="distance of the sensors' faces from the robot's centre",
-        unit="m",
-        minimum=0.0,
-        maximum=5.0,
-        read_only=True,
-        source="paper, section II",
-    )
+    frame_ids: tuple[str, ...] = _frames("infrared", "paper, section IV-B")
+    bearings: tuple[float, ...] = _bearings("the robot's heading", "paper, section IV-B")
+    mount_radius: float = _mount_radius()
     min_range: float = parameter(
         0.0,
         doc="a surface nearer than this reads as -inf (REP 117)",
@@ -415,8 +374,7 @@ class SimulatorParameters:
 
 
 def simulator_parameters(
-    overrides: Mapping[str, Any] | None = None,
-    world_overrides: Mapping[str, Any] | None = None,
+    overrides: Mapping[str, Any] | None = None, world_overrides: Mapping[str, Any] | None = None
 ) -> SimulatorParameters:
     """Return the parameters of a simulator.
 

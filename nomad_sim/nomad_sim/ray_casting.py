@@ -14,8 +14,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from fuzzy_map_building.jit import njit
 from numpy.typing import NDArray
+
+from fuzzy_map_building.jit import njit
 
 __all__ = [
     "NO_SURFACE",
@@ -172,11 +173,7 @@ def inside(x: float, y: float, segments: FloatArray, solids: NDArray[np.int64]) 
 
 @njit
 def nearest_distance(
-    x: float,
-    y: float,
-    segments: FloatArray,
-    circles: FloatArray,
-    solids: NDArray[np.int64],
+    x: float, y: float, segments: FloatArray, circles: FloatArray, solids: NDArray[np.int64]
 ) -> float:
     """Return the distance [m] from a point to the nearest surface, negative inside an obstacle.
 

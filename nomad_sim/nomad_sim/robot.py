@@ -8,7 +8,6 @@ import math
 from dataclasses import dataclass
 
 from fuzzy_map_building.types import Pose2
-
 from nomad_sim.params import RobotParameters
 
 __all__ = ["Velocity", "arc", "next_velocity", "turned"]

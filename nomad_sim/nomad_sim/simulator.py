@@ -7,10 +7,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from fuzzy_map_building.grid import GridGeometry
-from fuzzy_map_building.types import Pose2
 from numpy.typing import NDArray
 
+from fuzzy_map_building.grid import GridGeometry
+from fuzzy_map_building.types import Pose2
 from nomad_sim.ground_truth import occupancy
 from nomad_sim.infrared import InfraredRing
 from nomad_sim.odometry import Odometry

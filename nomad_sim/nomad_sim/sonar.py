@@ -8,11 +8,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from fuzzy_map_building.jit import njit
-from fuzzy_map_building.types import Pose2
 from numpy.typing import NDArray
 
-from nomad_sim.beam import crosstalk_range, echo_range
+from fuzzy_map_building.jit import njit
+from fuzzy_map_building.types import Pose2
+from nomad_sim.echo import crosstalk_range, echo_range
 from nomad_sim.params import SonarParameters
 from nomad_sim.ray_casting import inside
 from nomad_sim.surfaces import Surfaces
@@ -163,7 +163,10 @@ class SonarRing:
             return []
         exact = self.exact(group, pose, turret_angle, surfaces)
         ranges = self._measured(exact)
-        return [SonarEvent(stamp, int(i), float(r), turret_angle) for i, r in zip(group, ranges)]
+        return [
+            SonarEvent(stamp, int(sensor), float(measured), turret_angle)
+            for sensor, measured in zip(group, ranges, strict=True)
+        ]
 
     def exact(
         self, group: NDArray[np.int64], pose: Pose2, turret_angle: float, surfaces: Surfaces
@@ -188,7 +191,7 @@ class SonarRing:
             p.max_range,
             p.edge_echo,
             p.reflections,
-            p.crosstalk.reflections if p.crosstalk.enabled else 0,
+            p.crosstalk_reflections,
             np.array([pose.x, pose.y, self._body_radius]),
             surfaces.segments,
             surfaces.circles,
@@ -212,7 +215,7 @@ class SonarRing:
             draw, share = self._outliers.random((2, len(exact)))
             reach = np.minimum(ranges, p.max_range)
             short = p.min_range + share * (reach - p.min_range)
-            ranges = np.where((draw < p.outlier.short) & (reach > p.min_range), short, ranges)
-            ranges = np.where(draw >= 1.0 - p.outlier.lost, math.inf, ranges)
+            ranges = np.where((draw < p.short_outliers) & (reach > p.min_range), short, ranges)
+            ranges = np.where(draw >= 1.0 - p.lost_outliers, math.inf, ranges)
         ranges = np.where(ranges > p.max_range, math.inf, ranges)
         return np.where(ranges < p.min_range, -math.inf, ranges)

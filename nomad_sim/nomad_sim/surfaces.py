@@ -8,6 +8,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,7 @@ from nomad_sim import ray_casting
 __all__ = ["MAX_CROSSINGS", "Outline", "Surfaces"]
 
 FloatArray = NDArray[np.float64]
+S = TypeVar("S", bound=np.generic)
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
@@ -62,7 +64,11 @@ def _counts(outlines: Sequence[Outline]) -> list[int]:
 
 def _solids(outlines: Sequence[Outline]) -> IntArray:
     stops = np.cumsum([0] + [len(o.segments) for o in outlines])
-    ranges = [(start, stop) for o, start, stop in zip(outlines, stops[:-1], stops[1:]) if o.solid]
+    ranges = [
+        (start, stop)
+        for o, start, stop in zip(outlines, stops[:-1], stops[1:], strict=True)
+        if o.solid
+    ]
     return np.array(ranges, dtype=np.int64).reshape(-1, 2)
 
 
@@ -106,7 +112,7 @@ def _echoes(point: FloatArray, segments: FloatArray, solids: IntArray) -> bool:
     """Whether an edge or corner seen from some free side of the point is there."""
     angles = _directions(point, segments)
     gaps = np.diff(angles, append=angles[0] + 2.0 * math.pi)
-    for angle, gap in zip(angles, gaps):
+    for angle, gap in zip(angles, gaps, strict=True):
         if gap < 1e-6 or abs(gap - math.pi) < _STRAIGHT:
             continue
         middle = angle + 0.5 * gap
@@ -185,10 +191,10 @@ class Surfaces:
         """Return the surfaces moved by (x, y) [m]."""
         return replace(
             self,
-            segments=self.segments + (x, y, x, y),
-            circles=self.circles + (x, y, 0.0),
-            edges=self.edges + (x, y),
-            marks=self.marks + (x, y),
+            segments=self.segments + np.array([x, y, x, y]),
+            circles=self.circles + np.array([x, y, 0.0]),
+            edges=self.edges + np.array([x, y]),
+            marks=self.marks + np.array([x, y]),
         )
 
     def joined(self, others: Sequence[Surfaces]) -> Surfaces:
@@ -208,7 +214,9 @@ class Surfaces:
             circles=circles,
             critical_angles=_in_order(parts, [p.critical_angles for p in parts]),
             opaque=_in_order(parts, [p.opaque for p in parts]),
-            solids=np.concatenate([p.solids + start for p, start in zip(parts, starts)]),
+            solids=np.concatenate(
+                [p.solids + start for p, start in zip(parts, starts[:-1], strict=True)]
+            ),
             edges=np.concatenate([p.edges for p in parts]),
             marks=np.concatenate([p.marks for p in parts] + [met]),
         )
@@ -239,9 +247,10 @@ class Surfaces:
         return ray_casting.nearest_distances(x, y, self.segments, self.circles, self.solids)
 
 
-def _in_order(parts: Sequence[Surfaces], values: Sequence[NDArray]) -> NDArray:
+def _in_order(parts: Sequence[Surfaces], values: Sequence[NDArray[S]]) -> NDArray[S]:
     """Concatenate values of surfaces, those of all segments before those of all circles."""
     counts = [len(p.segments) for p in parts]
     return np.concatenate(
-        [v[:n] for v, n in zip(values, counts)] + [v[n:] for v, n in zip(values, counts)]
+        [v[:n] for v, n in zip(values, counts, strict=True)]
+        + [v[n:] for v, n in zip(values, counts, strict=True)]
     )

@@ -11,11 +11,11 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
+
 from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.parameter_schema import suggest
 from fuzzy_map_building.types import Pose2
-from numpy.typing import NDArray
-
 from nomad_sim.surfaces import Outline, Surfaces
 
 __all__ = ["MATERIALS", "Circle", "Material", "MovingObstacle", "Polygon", "Wall", "World"]
@@ -238,7 +238,7 @@ class World:
     @cached_property
     def still(self) -> Surfaces:
         """What never moves."""
-        shapes = (*self.walls, *self.polygons, *self.circles)
+        shapes: list[Wall | Polygon | Circle] = [*self.walls, *self.polygons, *self.circles]
         return Surfaces.of([self._outline(shape) for shape in shapes])
 
     @cached_property
@@ -261,7 +261,9 @@ class World:
         # What stands still between two calls is not put together anew.
         memory: tuple[Any, Surfaces] = self._memory  # type: ignore[attr-defined]
         if memory[0] != places:
-            there = [s.shifted(*p) for s, p in zip(self._moving, places) if p is not None]
+            there = [
+                s.shifted(*p) for s, p in zip(self._moving, places, strict=True) if p is not None
+            ]
             memory = (places, self.still.joined(there))
             object.__setattr__(self, "_memory", memory)
         return memory[1]

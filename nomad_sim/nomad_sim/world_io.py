@@ -3,156 +3,56 @@
 """Worlds from YAML files, checked to the last key.
 
 Lengths are metres, times seconds, angles degrees (their keys end in ``_deg``).
-`worlds/README.md` describes every key.
 """
 
 from __future__ import annotations
 
 import math
 import os
-import reprlib
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, NoReturn, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
-import yaml
-from fuzzy_map_building.parameter_schema import suggest
-from fuzzy_map_building.types import Pose2
 from numpy.typing import NDArray
 
+from fuzzy_map_building.parameter_schema import suggest
+from fuzzy_map_building.types import Pose2
 from nomad_sim.params import simulator_parameters
 from nomad_sim.world import MATERIALS, Circle, Material, MovingObstacle, Polygon, Wall, World
+from nomad_sim.yaml_document import (
+    MAX_BYTES,
+    MAX_ENTRIES,
+    SHORTEST,
+    Node,
+    WorldError,
+    read_document,
+)
 
-__all__ = ["WorldError", "load_world", "parse_world", "world_names", "worlds_folder"]
+__all__ = [
+    "MAX_CORNERS",
+    "WorldError",
+    "load_world",
+    "parse_world",
+    "world_names",
+    "worlds_folder",
+]
 
 T = TypeVar("T")
 FloatArray = NDArray[np.float64]
 
-#: Largest world file [bytes], most corners of all shapes, most entries of a list, farthest
-#: coordinate [m]: they bound what a file can make the simulator do.
-MAX_BYTES = 256_000
+#: Most corners of all shapes together.
 MAX_CORNERS = 4_000
-MAX_ENTRIES = 4_000
-MAX_COORDINATE = 1_000.0
-
-# Shortest side of a shape [m].
-_SHORTEST = 1e-3
 
 
-class WorldError(ValueError):
-    """A world file says something that cannot be understood or cannot be."""
-
-
-class _Loader(yaml.SafeLoader):
-    """YAML without what a world does not need: aliases, merged and repeated keys."""
-
-    def compose_node(self, parent: Any, index: Any) -> Any:
-        if self.check_event(yaml.AliasEvent):
-            event = self.peek_event()
-            raise WorldError(f"aliases (*{event.anchor}) are not allowed; write the value out")
-        return super().compose_node(parent, index)
-
-    def construct_mapping(self, node: Any, deep: bool = False) -> dict[Hashable, Any]:
-        keys: set[Any] = set()
-        for key_node, _ in node.value:
-            key = self.construct_object(key_node, deep=True)
-            if not isinstance(key, str):
-                raise WorldError(f"line {key_node.start_mark.line + 1}: a key must be a text")
-            if key in keys:
-                raise WorldError(f"line {key_node.start_mark.line + 1}: key '{key}' is repeated")
-            keys.add(key)
-        return super().construct_mapping(node, deep)
-
-
-class _Node:
-    """A piece of the file and where it stands, for messages that say where to look."""
-
-    def __init__(self, value: Any, where: str) -> None:
-        self.value = value
-        self.where = where
-
-    def fail(self, problem: str) -> NoReturn:
-        raise WorldError(f"{self.where or 'the world'}: {problem}")
-
-    def refuse(self, wanted: str) -> NoReturn:
-        try:
-            got = reprlib.repr(self.value)  # its beginning: the whole value may be huge
-        except ValueError:
-            got = "a number too long to print"
-        self.fail(f"{wanted} expected, got {got}")
-
-    def mapping(self, required: Sequence[str], optional: Sequence[str] = ()) -> dict[str, _Node]:
-        if not isinstance(self.value, Mapping):
-            self.refuse(f"a mapping with the keys {', '.join([*required, *optional])}")
-        known = [*required, *optional]
-        for key in self.value:
-            if key not in known:
-                self.fail(f"unknown key '{key[:100]}'{suggest(key[:100], known)}")
-        missing = [key for key in required if key not in self.value]
-        if missing:
-            self.fail(f"key '{missing[0]}' is missing")
-        return {key: _Node(v, f"{self.where}.{key}".lstrip(".")) for key, v in self.value.items()}
-
-    def items(self) -> list[_Node]:
-        if not isinstance(self.value, list):
-            self.refuse("a list")
-        if len(self.value) > MAX_ENTRIES:
-            self.fail(f"{len(self.value)} entries are more than the {MAX_ENTRIES} allowed")
-        return [_Node(v, f"{self.where}[{i}]") for i, v in enumerate(self.value)]
-
-    def number(self, low: float = -MAX_COORDINATE, high: float = MAX_COORDINATE) -> float:
-        if isinstance(self.value, bool) or not isinstance(self.value, (int, float)):
-            self.refuse("a number")
-        # Comparing first: an int of any length is no float yet. NaN fails it too.
-        if not low <= self.value <= high:
-            self.refuse(f"a number from {low:g} to {high:g}")
-        return float(self.value)
-
-    def length(self) -> float:
-        return self.number(_SHORTEST, MAX_COORDINATE)
-
-    def numbers(self, count: int) -> list[float]:
-        if not isinstance(self.value, list) or len(self.value) != count:
-            self.refuse(f"a list of {count} numbers")
-        return [node.number() for node in self.items()]
-
-    def pair(self) -> tuple[float, float]:
-        x, y = self.numbers(2)
-        return x, y
-
-    def text(self, longest: int = 10_000) -> str:
-        if not isinstance(self.value, str) or not self.value or len(self.value) > longest:
-            self.refuse(f"a text of at most {longest} characters")
-        return self.value
-
-    def truth(self) -> bool:
-        if not isinstance(self.value, bool):
-            self.refuse("true or false")
-        return self.value
-
-    def choice(self, choices: Sequence[str]) -> str:
-        if self.value not in list(choices):
-            hint = suggest(self.value, choices) if isinstance(self.value, str) else ""
-            self.refuse(f"one of {', '.join(choices)}{hint},")
-        chosen: str = self.value
-        return chosen
-
-    def points(self, least: int) -> FloatArray:
-        nodes = self.items()
-        if len(nodes) < least:
-            self.refuse(f"at least {least} points [x, y]")
-        return np.array([node.pair() for node in nodes])
-
-
-def _check_sides(node: _Node, segments: FloatArray) -> None:
+def _check_sides(node: Node, segments: FloatArray) -> None:
     length = np.hypot(segments[:, 2] - segments[:, 0], segments[:, 3] - segments[:, 1])
-    short = np.flatnonzero(length < _SHORTEST)
+    short = np.flatnonzero(length < SHORTEST)
     if len(short):
-        node.fail(f"the side from point {short[0]} is shorter than {_SHORTEST:g} m")
+        node.fail(f"the side from point {short[0]} is shorter than {SHORTEST:g} m")
 
 
-def _check_simple(node: _Node, points: FloatArray) -> None:
+def _check_simple(node: Node, points: FloatArray) -> None:
     """Refuse a polygon whose sides cross, touch or fold back on each other."""
     start, end = points, np.roll(points, -1, axis=0)
     along = end - start
@@ -189,18 +89,18 @@ def _check_simple(node: _Node, points: FloatArray) -> None:
             )
 
 
-def _material(fields: dict[str, _Node], materials: Mapping[str, Material]) -> str:
+def _material(fields: dict[str, Node], materials: Mapping[str, Material]) -> str:
     return fields["material"].choice(sorted(materials))
 
 
-def _materials(node: _Node) -> dict[str, Material]:
+def _materials(node: Node) -> dict[str, Material]:
     materials = dict(MATERIALS)
     if not isinstance(node.value, Mapping):
         node.refuse("a mapping of names to materials")
     if len(node.value) > MAX_ENTRIES:
         node.fail(f"{len(node.value)} materials are more than the {MAX_ENTRIES} allowed")
     for name, value in node.value.items():
-        entry = _Node(value, f"{node.where}.{name[:100]}")
+        entry = Node(value, f"{node.where}.{name[:100]}")
         fields = entry.mapping(["critical_angle_deg"], ["infrared"])
         materials[name] = Material(
             math.radians(fields["critical_angle_deg"].number(0.1, 90.0)),
@@ -209,7 +109,7 @@ def _materials(node: _Node) -> dict[str, Material]:
     return materials
 
 
-def _wall(node: _Node, materials: Mapping[str, Material]) -> Wall:
+def _wall(node: Node, materials: Mapping[str, Material]) -> Wall:
     fields = node.mapping(["points", "material"], ["closed"])
     closed = fields["closed"].truth() if "closed" in fields else False
     wall = Wall(fields["points"].points(3 if closed else 2), _material(fields, materials), closed)
@@ -217,7 +117,7 @@ def _wall(node: _Node, materials: Mapping[str, Material]) -> Wall:
     return wall
 
 
-def _polygon(node: _Node, materials: Mapping[str, Material]) -> Polygon:
+def _polygon(node: Node, materials: Mapping[str, Material]) -> Polygon:
     fields = node.mapping(["points", "material"])
     polygon = Polygon(fields["points"].points(3), _material(fields, materials))
     _check_sides(node, polygon.segments)
@@ -225,13 +125,13 @@ def _polygon(node: _Node, materials: Mapping[str, Material]) -> Polygon:
     return polygon
 
 
-def _circle(node: _Node, materials: Mapping[str, Material]) -> Circle:
+def _circle(node: Node, materials: Mapping[str, Material]) -> Circle:
     fields = node.mapping(["center", "radius", "material"])
     x, y = fields["center"].pair()
     return Circle(x, y, fields["radius"].length(), _material(fields, materials))
 
 
-def _interval(node: _Node) -> tuple[float, float]:
+def _interval(node: Node) -> tuple[float, float]:
     entries = node.items()
     if len(entries) != 2:
         node.refuse("[from, until]")
@@ -241,7 +141,7 @@ def _interval(node: _Node) -> tuple[float, float]:
     return first, last
 
 
-def _moving(node: _Node, materials: Mapping[str, Material]) -> MovingObstacle:
+def _moving(node: Node, materials: Mapping[str, Material]) -> MovingObstacle:
     fields = node.mapping(
         ["name", "material", "waypoints"], ["radius", "points", "times", "perceptions"]
     )
@@ -275,7 +175,7 @@ def _moving(node: _Node, materials: Mapping[str, Material]) -> MovingObstacle:
     )
 
 
-def _parameters(node: _Node) -> Mapping[str, Any]:
+def _parameters(node: Node) -> Mapping[str, Any]:
     if not isinstance(node.value, Mapping):
         node.refuse("a mapping of simulator parameters")
     try:
@@ -287,7 +187,7 @@ def _parameters(node: _Node) -> Mapping[str, Any]:
 
 
 def _place(
-    node: _Node, origin: tuple[float, float], size: tuple[float, float]
+    node: Node, origin: tuple[float, float], size: tuple[float, float]
 ) -> tuple[float, float]:
     x, y = node.pair()
     if not (origin[0] <= x < origin[0] + size[0] and origin[1] <= y < origin[1] + size[1]):
@@ -298,21 +198,21 @@ def _place(
     return x, y
 
 
-def _world(document: Any) -> World:
-    fields = _Node(document, "").mapping(
+def _world(document: Node) -> World:
+    fields = document.mapping(
         ["name", "area", "walls", "start", "goal", "expected"],
         ["description", "materials", "polygons", "circles", "moving", "parameters"],
     )
     area = fields["area"].mapping(["origin", "size"])
     origin = area["origin"].pair()
     size = area["size"].pair()
-    if min(size) < _SHORTEST:
-        area["size"].refuse(f"[width, height] of at least {_SHORTEST:g} m")
+    if min(size) < SHORTEST:
+        area["size"].refuse(f"[width, height] of at least {SHORTEST:g} m")
     start = fields["start"].mapping(["position"], ["heading_deg"])
     heading = start["heading_deg"].number(-360.0, 360.0) if "heading_deg" in start else 0.0
     materials = _materials(fields["materials"]) if "materials" in fields else dict(MATERIALS)
 
-    def shapes(key: str, parse: Callable[[_Node, Mapping[str, Material]], T]) -> tuple[T, ...]:
+    def shapes(key: str, parse: Callable[[Node, Mapping[str, Material]], T]) -> tuple[T, ...]:
         if key not in fields:
             return ()
         return tuple(parse(node, materials) for node in fields[key].items())
@@ -347,19 +247,8 @@ def parse_world(text: str) -> World:
     WorldError
         Naming the place in the text, what is wrong there and what is expected.
     """
-    if len(text) > MAX_BYTES:
-        raise WorldError(f"{len(text)} characters are more than the {MAX_BYTES} allowed")
     try:
-        document = yaml.load(text, Loader=_Loader)
-    except (yaml.YAMLError, RecursionError) as error:
-        problem = "it is nested too deeply" if isinstance(error, RecursionError) else error
-        raise WorldError(f"not a YAML document that can be read: {problem}") from error
-    except WorldError:
-        raise
-    except ValueError as error:  # a number or date that Python refuses
-        raise WorldError(f"a value that cannot be read: {error}") from error
-    try:
-        world = _world(document)
+        world = _world(read_document(text))
         world.surfaces()  # refuses what crosses too often
     except RecursionError as error:
         raise WorldError("the parameters are nested too deeply") from error

@@ -1,0 +1,173 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""YAML read with suspicion: every value is asked for by kind, and refused with its place."""
+
+from __future__ import annotations
+
+import reprlib
+from collections.abc import Hashable, Mapping, Sequence
+from typing import Any, NoReturn
+
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+
+from fuzzy_map_building.parameter_schema import suggest
+
+__all__ = [
+    "MAX_BYTES",
+    "MAX_COORDINATE",
+    "MAX_ENTRIES",
+    "SHORTEST",
+    "Node",
+    "WorldError",
+    "read_document",
+]
+
+FloatArray = NDArray[np.float64]
+
+#: Largest file [bytes], most entries of a list, farthest coordinate and shortest length [m]:
+#: they bound what a file can make the simulator do.
+MAX_BYTES = 256_000
+MAX_ENTRIES = 4_000
+MAX_COORDINATE = 1_000.0
+SHORTEST = 1e-3
+
+
+class WorldError(ValueError):
+    """A world file says something that cannot be understood or cannot be."""
+
+
+class Loader(yaml.SafeLoader):
+    """YAML without what a world does not need: aliases, merged and repeated keys."""
+
+    def compose_node(self, parent: Any, index: Any) -> Any:
+        if self.check_event(yaml.AliasEvent):
+            event = self.peek_event()  # type: ignore[no-untyped-call]
+            raise WorldError(f"aliases (*{event.anchor}) are not allowed; write the value out")
+        return super().compose_node(parent, index)
+
+    def construct_mapping(self, node: Any, deep: bool = False) -> dict[Hashable, Any]:
+        keys: set[Any] = set()
+        for key_node, _ in node.value:
+            key = self.construct_object(key_node, deep=True)
+            if not isinstance(key, str):
+                raise WorldError(f"line {key_node.start_mark.line + 1}: a key must be a text")
+            if key in keys:
+                raise WorldError(f"line {key_node.start_mark.line + 1}: key '{key}' is repeated")
+            keys.add(key)
+        return super().construct_mapping(node, deep)
+
+
+class Node:
+    """A piece of the file and where it stands, for messages that say where to look."""
+
+    def __init__(self, value: Any, where: str) -> None:
+        self.value = value
+        self.where = where
+
+    def fail(self, problem: str) -> NoReturn:
+        """Raise WorldError with the place and the problem."""
+        raise WorldError(f"{self.where or 'the world'}: {problem}")
+
+    def refuse(self, wanted: str) -> NoReturn:
+        """Raise WorldError with what is wanted instead of the value."""
+        try:
+            got = reprlib.repr(self.value)  # its beginning: the whole value may be huge
+        except ValueError:
+            got = "a number too long to print"
+        self.fail(f"{wanted} expected, got {got}")
+
+    def mapping(self, required: Sequence[str], optional: Sequence[str] = ()) -> dict[str, Node]:
+        """Return the values of a mapping that has all required and no unknown keys."""
+        if not isinstance(self.value, Mapping):
+            self.refuse(f"a mapping with the keys {', '.join([*required, *optional])}")
+        known = [*required, *optional]
+        for key in self.value:
+            if key not in known:
+                self.fail(f"unknown key '{key[:100]}'{suggest(key[:100], known)}")
+        missing = [key for key in required if key not in self.value]
+        if missing:
+            self.fail(f"key '{missing[0]}' is missing")
+        return {key: Node(v, f"{self.where}.{key}".lstrip(".")) for key, v in self.value.items()}
+
+    def items(self) -> list[Node]:
+        """Return the entries of a list."""
+        if not isinstance(self.value, list):
+            self.refuse("a list")
+        if len(self.value) > MAX_ENTRIES:
+            self.fail(f"{len(self.value)} entries are more than the {MAX_ENTRIES} allowed")
+        return [Node(v, f"{self.where}[{i}]") for i, v in enumerate(self.value)]
+
+    def number(self, low: float = -MAX_COORDINATE, high: float = MAX_COORDINATE) -> float:
+        """Return a finite number from `low` to `high`."""
+        if isinstance(self.value, bool) or not isinstance(self.value, (int, float)):
+            self.refuse("a number")
+        # Comparing first: an int of any length is no float yet. NaN fails it too.
+        if not low <= self.value <= high:
+            self.refuse(f"a number from {low:g} to {high:g}")
+        return float(self.value)
+
+    def length(self) -> float:
+        """Return a length [m] of at least `SHORTEST`."""
+        return self.number(SHORTEST, MAX_COORDINATE)
+
+    def numbers(self, count: int) -> list[float]:
+        """Return a list of `count` numbers."""
+        if not isinstance(self.value, list) or len(self.value) != count:
+            self.refuse(f"a list of {count} numbers")
+        return [node.number() for node in self.items()]
+
+    def pair(self) -> tuple[float, float]:
+        """Return two numbers."""
+        x, y = self.numbers(2)
+        return x, y
+
+    def text(self, longest: int = 10_000) -> str:
+        """Return a text that is not empty."""
+        if not isinstance(self.value, str) or not self.value or len(self.value) > longest:
+            self.refuse(f"a text of at most {longest} characters")
+        return self.value
+
+    def truth(self) -> bool:
+        """Return true or false."""
+        if not isinstance(self.value, bool):
+            self.refuse("true or false")
+        return self.value
+
+    def choice(self, choices: Sequence[str]) -> str:
+        """Return one of some texts."""
+        if self.value not in list(choices):
+            hint = suggest(self.value, choices) if isinstance(self.value, str) else ""
+            self.refuse(f"one of {', '.join(choices)}{hint},")
+        chosen: str = self.value
+        return chosen
+
+    def points(self, least: int) -> FloatArray:
+        """Return at least `least` points (x, y), shape (N, 2)."""
+        nodes = self.items()
+        if len(nodes) < least:
+            self.refuse(f"at least {least} points [x, y]")
+        return np.array([node.pair() for node in nodes])
+
+
+def read_document(text: str) -> Node:
+    """Return the root of a YAML text.
+
+    Raises
+    ------
+    WorldError
+        If it is too long, nested too deeply, or not YAML of the kind accepted here.
+    """
+    if len(text) > MAX_BYTES:
+        raise WorldError(f"{len(text)} characters are more than the {MAX_BYTES} allowed")
+    try:
+        return Node(yaml.load(text, Loader=Loader), "")
+    except RecursionError as error:
+        raise WorldError("it is nested too deeply") from error
+    except yaml.YAMLError as error:
+        raise WorldError(f"not a YAML document that can be read: {error}") from error
+    except WorldError:
+        raise
+    except ValueError as error:  # a number or date that Python refuses
+        raise WorldError(f"a value that cannot be read: {error}") from error
