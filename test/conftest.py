@@ -3,6 +3,7 @@
 """What every test stands on: its own corner of the network, repeatable draws, recorded data."""
 
 import contextlib
+import itertools
 import os
 from pathlib import Path
 
@@ -22,16 +23,21 @@ def pytest_configure(config: pytest.Config) -> None:
     patch.setenv("ROS_PYTHON_CHECK_FIELDS", "1")
     # Pictures are written to files; no test needs a screen.
     patch.setenv("MPLBACKEND", "Agg")
-    with contextlib.suppress(ImportError):  # absent only where ROS is: the core's tests still run
-        from domain_coordinator import domain_id
+    reserved = contextlib.ExitStack()
+    config.add_cleanup(reserved.close)
+    patch.setenv("ROS_DOMAIN_ID", str(reserved.enter_context(_domain())))
 
-        reserved = contextlib.ExitStack()
-        config.add_cleanup(reserved.close)
-        # 1-100, held until the end so that no other test process on this machine takes it;
-        # tried from a place of our own because processes outside of tests reserve nothing.
-        order = iter(range(os.getpid(), os.getpid() + 100))
-        domain = reserved.enter_context(domain_id(lambda: next(order) % 100 + 1))
-        patch.setenv("ROS_DOMAIN_ID", str(domain))
+
+def _domain() -> contextlib.AbstractContextManager[int]:
+    """Reserve a domain (1-100) until the end, so that no other test process here takes it."""
+    # Tried from a place of our own, because processes outside of tests reserve nothing.
+    order = itertools.count(os.getpid())
+    try:
+        from domain_coordinator import domain_id
+    except ImportError:  # only where ROS is not installed: the core's tests still run
+        return contextlib.nullcontext(next(order) % 100 + 1)
+    reservation: contextlib.AbstractContextManager[int] = domain_id(lambda: next(order) % 100 + 1)
+    return reservation
 
 
 @pytest.fixture(scope="session")
