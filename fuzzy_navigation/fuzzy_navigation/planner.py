@@ -16,13 +16,12 @@ from enum import IntEnum
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy import ndimage
 
 from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.types import Pose2
 from fuzzy_navigation.params import PlannerParameters
 from fuzzy_navigation.risk import augment, checked_risk, path_risks
-from fuzzy_navigation.search import COSTS, admissible_cells, find_path
+from fuzzy_navigation.search import COSTS, admissible_cells, find_path, first_reachable
 
 __all__ = ["PlanResult", "PlanStatus", "Planner", "RiskLayer"]
 
@@ -92,6 +91,21 @@ class PlanResult:
     expanded: int = 0
 
 
+@dataclass(frozen=True)
+class _Request:
+    """A request whose values have been checked and whose defaults are filled in."""
+
+    start: tuple[float, float]
+    heading: float
+    goal: tuple[float, float]
+    cost: str
+    rungs: Sequence[float]
+    adjacency: int
+    tolerance: float
+    cut: NDArray[np.float64] | None
+    paid: NDArray[np.float64] | None
+
+
 class Planner:
     """Plans paths of least risk on the newest planning map.
 
@@ -115,14 +129,26 @@ class Planner:
         self, geometry: GridGeometry, parameters: PlannerParameters | None = None
     ) -> None:
         self.geometry = geometry
-        self.parameters = parameters if parameters is not None else PlannerParameters()
-        self._risk: NDArray[np.float64] | None = None
+        self._parameters = parameters if parameters is not None else PlannerParameters()
+        self._planning_risk: NDArray[np.float64] | None = None
+        self._augmented: NDArray[np.float64] | None = None
         self._barred: NDArray[np.bool_] | None = None
+
+    @property
+    def parameters(self) -> PlannerParameters:
+        """Costs, cuts and the robot's size; new ones hold from the next request on."""
+        return self._parameters
+
+    @parameters.setter
+    def parameters(self, parameters: PlannerParameters) -> None:
+        self._parameters = parameters
+        if self._planning_risk is not None:
+            self._augmented = self._augment(self._planning_risk)
 
     @property
     def augmented_risk(self) -> NDArray[np.float64] | None:
         """The augmented planning map M_p^a, shape (H, W), read-only; None without a map."""
-        return self._risk
+        return self._augmented
 
     def set_map(self, planning_risk: ArrayLike, barred: ArrayLike | None = None) -> None:
         """Take a new planning map.
@@ -139,24 +165,16 @@ class Planner:
         ValueError
             If shape or values are wrong; the map before stays.
         """
-        values = checked_risk(planning_risk, "the planning map")
-        if values.shape != self.geometry.shape:
-            raise ValueError(
-                f"the planning map has {values.shape} (rows, columns), "
-                f"but the planner's area has {self.geometry.shape}"
-            )
+        values = checked_risk(planning_risk, "the planning map").copy()
+        self._check_shape("the planning map", values)
         bars: NDArray[np.bool_] | None = None
         if barred is not None:
             bars = np.array(barred)
-            if bars.dtype != np.bool_ or bars.shape != self.geometry.shape:
-                raise ValueError(
-                    f"barred must be an array of bool of shape {self.geometry.shape}, "
-                    f"got {bars.dtype} of shape {bars.shape}"
-                )
-        p = self.parameters
-        risk = augment(values, p.robot_radius, self.geometry.resolution, p.augmentation)
-        risk.flags.writeable = False
-        self._risk, self._barred = risk, bars
+            self._check_shape("barred", bars)
+            if bars.dtype != np.bool_:
+                raise ValueError(f"barred must be an array of bool, got {bars.dtype}")
+        self._augmented = self._augment(values)
+        self._planning_risk, self._barred = values, bars
 
     def plan(
         self,
@@ -191,107 +209,123 @@ class Planner:
         -------
         PlanResult
         """
-        p = self.parameters
         try:
-            start_xy, goal_xy = _position(start, "start"), _position(goal, "goal")
-            cost = p.cost if cost is None else cost
-            if cost not in COSTS:
-                raise ValueError(f"cost must be one of {', '.join(COSTS)}, got {cost!r}")
-            rungs = self._rungs(alpha)
-            adjacency = self._adjacency(cost, adjacency)
-            if not (math.isfinite(tolerance) and tolerance >= 0.0):
-                raise ValueError(f"tolerance must be finite and not negative [m], got {tolerance}")
-            tolerance = round(float(tolerance), _DECIMALS) or p.tolerance
-            if self._risk is None:
-                return PlanResult(
-                    PlanStatus.NO_MAP,
-                    "no planning map has arrived yet; build or load a map, then ask again",
-                )
-            cut, paid = self._layered(self._risk, layer)
+            request = self._checked(start, goal, cost, alpha, adjacency, tolerance, layer)
         except (TypeError, ValueError) as error:
             return PlanResult(PlanStatus.BAD_REQUEST, f"request refused: {error}")
+        if self._augmented is None:
+            return PlanResult(
+                PlanStatus.NO_MAP,
+                "no planning map has arrived yet; build or load a map, then ask again",
+            )
         for name, xy, status in (
-            ("start", start_xy, PlanStatus.START_OUTSIDE),
-            ("goal", goal_xy, PlanStatus.GOAL_OUTSIDE),
+            ("start", request.start, PlanStatus.START_OUTSIDE),
+            ("goal", request.goal, PlanStatus.GOAL_OUTSIDE),
         ):
             if not self.geometry.contains(*xy):
                 return PlanResult(status, self._outside(name, xy))
+        return self._climb(request, self._augmented)
 
-        first = self.geometry.cell_of(*start_xy)
-        candidates = self._goal_cells(goal_xy, tolerance)
-        corner_cutting = p.corner_cutting
-        admissible_near_goal = False
-        expanded = 0
-        for rung in rungs:
-            admissible = admissible_cells(cut, rung, self._barred)
-            admissible[first] = True
-            admissible_near_goal = bool(admissible[candidates[:, 0], candidates[:, 1]].any())
-            last = _nearest_reachable(
-                admissible, first, candidates, eight=adjacency == 8 and corner_cutting
+    def _augment(self, planning_risk: NDArray[np.float64]) -> NDArray[np.float64]:
+        p = self._parameters
+        augmented = augment(
+            planning_risk, p.robot_radius, self.geometry.resolution, p.augmentation
+        )
+        augmented.flags.writeable = False
+        return augmented
+
+    def _check_shape(self, name: str, values: NDArray[np.generic]) -> None:
+        if values.shape != self.geometry.shape:
+            raise ValueError(
+                f"{name} has the shape {values.shape} (rows, columns), "
+                f"but the planner's area has {self.geometry.shape}"
             )
-            if last is None:
+
+    def _checked(
+        self,
+        start: Pose2 | tuple[float, float],
+        goal: Pose2 | tuple[float, float],
+        cost: str | None,
+        alpha: float,
+        adjacency: int,
+        tolerance: float,
+        layer: RiskLayer | None,
+    ) -> _Request:
+        """Return the request with its defaults filled in, or raise ValueError."""
+        p = self._parameters
+        start_xy, goal_xy = _position(start, "start"), _position(goal, "goal")
+        cost = p.cost if cost is None else cost
+        if cost not in COSTS:
+            raise ValueError(f"cost must be one of {', '.join(COSTS)}, got {cost!r}")
+        if not 0.0 <= alpha <= 1.0:
+            raise ValueError(f"alpha must lie in [0, 1], 0 for the ladder, got {alpha}")
+        alpha = round(float(alpha), _DECIMALS)
+        if adjacency not in (0, 4, 8):
+            raise ValueError(f"adjacency must be 0, 4 or 8, got {adjacency!r}")
+        if not (math.isfinite(tolerance) and tolerance >= 0.0):
+            raise ValueError(f"tolerance must be finite and not negative [m], got {tolerance}")
+        cut = paid = None
+        if layer is not None:
+            cut = np.asarray(layer.cut, dtype=np.float64)
+            paid = checked_risk(layer.cost, "the cost of the risk layer")
+            self._check_shape("the cut of the risk layer", cut)
+            self._check_shape("the cost of the risk layer", paid)
+            if not cut.min() >= 0.0:  # a NaN fails
+                raise ValueError("the cut of the risk layer must not hold NaN or negative values")
+        return _Request(
+            start=start_xy,
+            heading=start.theta if isinstance(start, Pose2) else 0.0,
+            goal=goal_xy,
+            cost=cost,
+            rungs=(alpha,) if alpha > 0.0 else p.alpha_ladder,
+            adjacency=int(adjacency) or p.adjacency or _ADJACENCY[cost],
+            tolerance=round(float(tolerance), _DECIMALS) or p.tolerance,
+            cut=cut,
+            paid=paid,
+        )
+
+    def _climb(self, request: _Request, risk: NDArray[np.float64]) -> PlanResult:
+        """Try rung after rung until there is a path."""
+        p = self._parameters
+        cut = risk if request.cut is None else np.maximum(risk, request.cut)
+        paid = risk if request.paid is None else np.maximum(risk, request.paid)
+        start = self.geometry.cell_of(*request.start)
+        ends = self._goal_cells(request.goal, request.tolerance)
+        for rung in request.rungs:
+            admissible = admissible_cells(cut, rung, self._barred)
+            admissible[start] = True
+            end = first_reachable(admissible, start, ends, request.adjacency, p.corner_cutting)
+            if end is None:
                 continue
             found = find_path(
                 paid,
-                first,
-                last,
-                cost,
+                start,
+                end,
+                request.cost,
                 rung,
-                adjacency,
+                request.adjacency,
                 epsilon=p.epsilon,
                 diagonal=p.diagonal,
-                corner_cutting=corner_cutting,
+                corner_cutting=p.corner_cutting,
                 cut=cut,
                 barred=self._barred,
             )
-            expanded += found.expanded
-            costs = path_risks(self._risk + p.epsilon, found.path, p.diagonal)
             message = f"path of {len(found.path)} cells at alpha {rung:g}"
+            if rung != request.rungs[0]:
+                message += f", none at alpha {request.rungs[0]:g}"
             return PlanResult(
                 PlanStatus.FOUND,
                 message,
                 found.path,
-                self._poses(found.path, start),
-                *costs,
+                self._poses(found.path, request.heading),
+                *path_risks(risk + p.epsilon, found.path, p.diagonal),
                 rung,
-                expanded,
+                found.expanded,
             )
+        goal_blocked = not admissible[ends[:, 0], ends[:, 1]].any()
         return PlanResult(
-            PlanStatus.NO_PATH,
-            self._no_path(start_xy, goal_xy, tolerance, rungs[-1], admissible_near_goal),
-            alpha=rungs[-1],
-            expanded=expanded,
+            PlanStatus.NO_PATH, _no_path(request, goal_blocked), alpha=request.rungs[-1]
         )
-
-    def _rungs(self, alpha: float) -> Sequence[float]:
-        """Return the alphas to try, in order."""
-        if not 0.0 <= alpha <= 1.0:
-            raise ValueError(f"alpha must lie in [0, 1], 0 for the ladder, got {alpha}")
-        rounded = round(float(alpha), _DECIMALS)
-        return (rounded,) if rounded > 0.0 else self.parameters.alpha_ladder
-
-    def _adjacency(self, cost: str, adjacency: int) -> int:
-        if adjacency not in (0, 4, 8):
-            raise ValueError(f"adjacency must be 0, 4 or 8, got {adjacency!r}")
-        return int(adjacency) or self.parameters.adjacency or _ADJACENCY[cost]
-
-    def _layered(
-        self, risk: NDArray[np.float64], layer: RiskLayer | None
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return the risks that decide admission, and those that paths pay."""
-        if layer is None:
-            return risk, risk
-        cut = np.asarray(layer.cut, dtype=np.float64)
-        cost = checked_risk(layer.cost, "the cost of the risk layer")
-        for name, values in (("cut", cut), ("cost", cost)):
-            if values.shape != risk.shape:
-                raise ValueError(
-                    f"the {name} of the risk layer has {values.shape} (rows, columns), "
-                    f"but the map has {risk.shape}"
-                )
-        if not cut.min() >= 0.0:
-            raise ValueError("the cut of the risk layer must not hold NaN or negative values")
-        return np.maximum(risk, cut), np.maximum(risk, cost)
 
     def _goal_cells(self, goal: tuple[float, float], tolerance: float) -> NDArray[np.int64]:
         """Return the cells where a path may end, nearest first, shape (n, 2)."""
@@ -309,11 +343,11 @@ class Planner:
         out: NDArray[np.int64] = cells[order] + (window.row0, window.col0)
         return out
 
-    def _poses(
-        self, path: NDArray[np.int64], start: Pose2 | tuple[float, float]
-    ) -> tuple[Pose2, ...]:
-        """Return the cells' centres, each heading to the next, the last as the one before."""
-        heading = start.theta if isinstance(start, Pose2) else 0.0
+    def _poses(self, path: NDArray[np.int64], heading: float) -> tuple[Pose2, ...]:
+        """Return the cells' centres, each heading to the next, the last as the one before.
+
+        `heading` [rad] is that of a path of one cell.
+        """
         steps = np.diff(path, axis=0)
         headings = [math.atan2(row, column) for row, column in steps.tolist()]
         headings.append(headings[-1] if headings else heading)
@@ -327,48 +361,31 @@ class Planner:
             f"x {x0:g} to {x1:g} m and y {y0:g} to {y1:g} m; choose a point inside"
         )
 
-    def _no_path(
-        self,
-        start: tuple[float, float],
-        goal: tuple[float, float],
-        tolerance: float,
-        alpha: float,
-        admissible_near_goal: bool,
-    ) -> str:
-        where = f"({goal[0]:.2f}, {goal[1]:.2f}) m"
-        if not admissible_near_goal:
-            return (
-                f"no cell within {tolerance:g} m of the goal {where} has a risk of at most "
-                f"{alpha:g}: an obstacle stands there; choose another goal or a larger tolerance"
-            )
+
+def _no_path(request: _Request, goal_blocked: bool) -> str:
+    """Say why there is no path, and what can be done."""
+    goal = f"({request.goal[0]:.2f}, {request.goal[1]:.2f}) m"
+    alpha = request.rungs[-1]
+    if goal_blocked:
         return (
-            f"no path from ({start[0]:.2f}, {start[1]:.2f}) m to the goal {where}: cells with a "
-            f"risk above {alpha:g} lie between them; explore further or allow a larger alpha"
+            f"no cell within {request.tolerance:g} m of the goal {goal} is admissible at alpha "
+            f"{alpha:g}: an obstacle stands there; choose another goal, or allow a larger "
+            "tolerance or alpha"
         )
+    return (
+        f"no path from ({request.start[0]:.2f}, {request.start[1]:.2f}) m to the goal {goal}: "
+        f"cells that are not admissible at alpha {alpha:g} part them; explore further or allow "
+        "a larger alpha"
+    )
 
 
 def _position(value: Pose2 | tuple[float, float], name: str) -> tuple[float, float]:
     """Return (x, y) [m], finite."""
-    x, y = (value.x, value.y) if isinstance(value, Pose2) else value
-    if not (math.isfinite(x) and math.isfinite(y)):
+    try:
+        x, y = (value.x, value.y) if isinstance(value, Pose2) else value
+        finite = math.isfinite(x) and math.isfinite(y)
+    except (TypeError, ValueError):
+        raise ValueError(f"the {name} must be a position (x, y) [m], got {value!r}") from None
+    if not finite:
         raise ValueError(f"the {name} must be finite [m], got ({x}, {y})")
     return float(x), float(y)
-
-
-def _nearest_reachable(
-    admissible: NDArray[np.bool_],
-    start: tuple[int, int],
-    candidates: NDArray[np.int64],
-    eight: bool,
-) -> tuple[int, int] | None:
-    """Return the first of `candidates` that is joined to `start`, None if none is.
-
-    Without corner cutting a diagonal step needs both cells beside it, so that cells are
-    joined exactly when they are joined by straight steps: `eight` is False then.
-    """
-    components, _ = ndimage.label(admissible, np.ones((3, 3)) if eight else None)
-    reachable = components[candidates[:, 0], candidates[:, 1]] == components[start]
-    if not reachable.any():
-        return None
-    row, column = candidates[int(np.argmax(reachable))].tolist()
-    return row, column

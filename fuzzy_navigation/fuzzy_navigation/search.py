@@ -19,11 +19,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy import ndimage
 
 from fuzzy_navigation.kernels import best_first, trace
 from fuzzy_navigation.risk import alpha_cut, checked_risk, diagonal_factor, path_risks
 
-__all__ = ["COSTS", "SearchResult", "admissible_cells", "find_path", "warm_up"]
+__all__ = ["COSTS", "SearchResult", "admissible_cells", "find_path", "first_reachable", "warm_up"]
 
 #: Path costs, and the algorithms that minimise them: A1, A2, A3.
 COSTS = ("g1", "g2", "g3")
@@ -196,6 +197,41 @@ def admissible_cells(
             )
         admissible &= ~bars
     return admissible
+
+
+def first_reachable(
+    admissible: NDArray[np.bool_],
+    start: tuple[int, int],
+    candidates: NDArray[np.int64],
+    adjacency: int,
+    corner_cutting: bool,
+) -> tuple[int, int] | None:
+    """Return the first of some cells that a path from the start can reach.
+
+    Parameters
+    ----------
+    admissible : ndarray of bool, shape (H, W)
+        Cells that a path may enter, the start among them.
+    start : tuple of int
+        (row, column).
+    candidates : ndarray of int64, shape (n, 2)
+        Cells (row, column) in the order of preference.
+    adjacency, corner_cutting
+        As `find_path` takes them.
+
+    Returns
+    -------
+    tuple of int or None
+        (row, column), None if no candidate can be reached.
+    """
+    # Where a diagonal step needs both cells beside it, straight steps reach the same cells.
+    eight = adjacency == 8 and corner_cutting
+    components, _ = ndimage.label(admissible, np.ones((3, 3)) if eight else None)
+    reachable = components[candidates[:, 0], candidates[:, 1]] == components[start]
+    if not reachable.any():
+        return None
+    row, column = candidates[int(np.argmax(reachable))].tolist()
+    return row, column
 
 
 def warm_up() -> None:
