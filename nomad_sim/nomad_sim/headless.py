@@ -1,0 +1,404 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""The whole loop in one process, without ROS: simulator, mapper, planner and mission.
+
+It is the composition that the four nodes form over topics and services, with the same core
+objects and the same order of events in a control tick. The maps pass between mapper, planner
+and mission as they do in messages, in whole percent, so that with the sensors' noise off a
+mission here and one over ROS give the same maps.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzy_map_building.mapper import FuzzyMapper
+from fuzzy_map_building.occupancy import risk_to_int8
+from fuzzy_map_building.packet import ReadingAssembler
+from fuzzy_map_building.params import DEFAULT_PRESET, MapperParameters, mapper_parameters
+from fuzzy_map_building.perception import PerceptionSequence
+from fuzzy_map_building.types import InfraredReading, Pose2
+from fuzzy_navigation.mission import Mission
+from fuzzy_navigation.mission_types import (
+    Commands,
+    Drive,
+    Finish,
+    LogEntry,
+    Outcome,
+    Perceive,
+    Plan,
+)
+from fuzzy_navigation.params import motion_parameters, planner_parameters
+from fuzzy_navigation.planner import Planner
+from nomad_sim.params import simulator_parameters
+from nomad_sim.simulator import Simulator
+from nomad_sim.world import World
+from nomad_sim.world_io import load_world
+
+__all__ = ["CONTROL_PERIOD", "HeadlessMission", "MissionLog", "random_start", "run_mission"]
+
+#: Time of a control tick [s]: one pose, one command.
+CONTROL_PERIOD = 0.05
+#: How often a random start is drawn before the place is given up.
+_DRAWS = 1000
+
+
+@dataclass(frozen=True, eq=False)
+class MissionLog:
+    """What came of a mission.
+
+    Attributes
+    ----------
+    world : str
+        Name of the world.
+    seed : int
+        Seed of the simulator.
+    start : Pose2
+        Where the robot started.
+    goal : tuple of float
+        Where it was sent (x, y) [m].
+    outcome : Outcome
+        Verdict of the mission.
+    message : str
+        The verdict in words.
+    truthful : bool
+        Whether the verdict is the one that the world expects.
+    perceptions : int
+        Perceptions made.
+    path_length : float
+        Length of the way driven [m].
+    min_clearance : float
+        Least true distance of the body to a surface [m].
+    contacts : int
+        Times that the body touched something.
+    duration : float
+        Robot's time [s].
+    wall_time : float
+        Time that it took to compute [s].
+    entries : tuple of LogEntry
+        One for each perception.
+    travelled : ndarray of float64, shape (n, 2)
+        Positions (x, y) along the way [m].
+    motion_risk, planning_risk : ndarray of float64, shape (H, W)
+        The last maps.
+    """
+
+    world: str
+    seed: int
+    start: Pose2
+    goal: tuple[float, float]
+    outcome: Outcome
+    message: str
+    truthful: bool
+    perceptions: int
+    path_length: float
+    min_clearance: float
+    contacts: int
+    duration: float
+    wall_time: float
+    entries: tuple[LogEntry, ...]
+    travelled: NDArray[np.float64]
+    motion_risk: NDArray[np.float64]
+    planning_risk: NDArray[np.float64]
+
+    @property
+    def reached(self) -> bool:
+        """Whether the robot came to its goal."""
+        return self.outcome is Outcome.REACHED
+
+
+class HeadlessMission:
+    """One mission, tick by tick.
+
+    Parameters
+    ----------
+    world : World or str or path
+        The world, its name, or its file.
+    start : Pose2, optional
+        Where the robot starts; by default where the world says.
+    goal : tuple of float, optional
+        Where it is sent (x, y) [m]; by default where the world says.
+    seed : int
+        Seed of all noise.
+    preset : str
+        Rule set of mapper, planner and motion.
+    mapper, planner, motion, simulator : mapping, optional
+        Single parameters by dotted name that override the preset; the mapped area is the
+        world's unless `mapper` says otherwise.
+
+    Attributes
+    ----------
+    simulator : Simulator
+    mapper : FuzzyMapper
+    planner : Planner
+    mission : Mission
+        The core objects at work.
+    verdict : Finish or None
+        The mission's end, once it has come.
+
+    Raises
+    ------
+    ValueError
+        For an unknown world, preset or parameter, a refused value, or a start that overlaps
+        an obstacle.
+    """
+
+    def __init__(
+        self,
+        world: World | str | os.PathLike[str],
+        start: Pose2 | None = None,
+        goal: tuple[float, float] | None = None,
+        seed: int = 0,
+        *,
+        preset: str = DEFAULT_PRESET,
+        mapper: Mapping[str, Any] | None = None,
+        planner: Mapping[str, Any] | None = None,
+        motion: Mapping[str, Any] | None = None,
+        simulator: Mapping[str, Any] | None = None,
+    ) -> None:
+        self.world = world if isinstance(world, World) else load_world(world)
+        self.goal = goal if goal is not None else self.world.goal
+        self.simulator = Simulator(
+            self.world,
+            simulator_parameters({"seed": seed, **(simulator or {})}, self.world.parameters),
+            start,
+        )
+        self.start = self.simulator.pose
+        p = mapper_parameters(preset, {**_area(self.world), **(mapper or {})})
+        geometry = p.area.geometry()
+        self.mapper = FuzzyMapper(geometry, p)
+        self.planner = Planner(geometry, planner_parameters(preset, planner))
+        self.mission = Mission(motion_parameters(preset, motion))
+        self.verdict: Finish | None = None
+        self._perception = _Perception(p)
+        self._drive = Drive(0.0, 0.0)
+        self._sensors = range(len(self.simulator.parameters.infrared.bearings))
+        self._handle(self.mission.start(self.simulator.time, self.goal))
+
+    def tick(self) -> None:
+        """Let one control period pass: move, measure, decide."""
+        simulator = self.simulator
+        simulator.step(self._drive.linear, self._drive.angular, CONTROL_PERIOD)
+        angle = self._perception.tick(simulator)
+        if angle is not None:
+            simulator.command_turret(angle)
+        self._finish_perception()
+        now, pose = simulator.time, simulator.pose
+        bearings = simulator.parameters.infrared.bearings
+        infrared = [
+            InfraredReading(pose, bearings[i], float(value), now, i)
+            for i, value in zip(self._sensors, simulator.infrared())
+        ]
+        self._handle(self.mission.on_pose(now, pose, infrared))
+
+    def run(
+        self,
+        on_perception: Callable[[HeadlessMission], None] | None = None,
+        time_limit: float = 3600.0,
+    ) -> MissionLog:
+        """Run the mission to its end.
+
+        Parameters
+        ----------
+        on_perception : callable, optional
+            Called after each perception with this object; `mission.log` has its entry.
+        time_limit : float
+            Robot's time [s] after which the mission is cancelled.
+
+        Returns
+        -------
+        MissionLog
+        """
+        began = time.perf_counter()
+        logged = len(self.mission.log)
+        while self.verdict is None:
+            self.tick()
+            if on_perception is not None and len(self.mission.log) > logged:
+                logged = len(self.mission.log)
+                on_perception(self)
+            if self.simulator.time > time_limit:
+                now = self.simulator.time
+                self._handle(self.mission.cancel(now, f"not over after {time_limit:g} s"))
+        return self._log(self.verdict, time.perf_counter() - began)
+
+    def _handle(self, commands: Commands) -> None:
+        """Carry out the mission's commands."""
+        for command in commands:
+            if isinstance(command, Drive):
+                self._drive = command
+            elif isinstance(command, Perceive):
+                self._perception.start(self.simulator.time, command.request)
+            elif isinstance(command, Plan):
+                plan = self.planner.plan(
+                    command.start, command.goal, tolerance=command.tolerance
+                )
+                now = self.simulator.time
+                self._handle(self.mission.on_plan(now, command.request, plan))
+            else:
+                self.verdict = command
+
+    def _finish_perception(self) -> None:
+        """Fuse a perception that has come to its end and tell the mission."""
+        ended = self._perception.ended()
+        if ended is None:
+            return
+        request, readings, failure = ended
+        now = self.simulator.time
+        if not failure:
+            report = self.mapper.update(readings)
+            if report.accepted == 0:
+                failure = f"no reading could be used: {report.rejected}"
+        if failure:
+            self._handle(self.mission.on_perception(now, request, False, failure))
+            return
+        self.simulator.perception_taken()
+        # As a message carries them: in whole percent.
+        self.planner.set_map(risk_to_int8(self.mapper.planning_risk) / 100.0)
+        motion_risk = risk_to_int8(self.mapper.motion_risk) / 100.0
+        self._handle(self.mission.on_map(now, self.mapper.geometry, motion_risk))
+        self._handle(self.mission.on_perception(now, request, True))
+
+    def _log(self, verdict: Finish, wall_time: float) -> MissionLog:
+        simulator = self.simulator
+        expected = Outcome[self.world.expected.upper()]
+        return MissionLog(
+            world=self.world.name,
+            seed=simulator.parameters.seed,
+            start=self.start,
+            goal=self.goal,
+            outcome=verdict.outcome,
+            message=verdict.message,
+            truthful=verdict.outcome is expected,
+            perceptions=verdict.perceptions,
+            path_length=verdict.path_length,
+            min_clearance=simulator.least_clearance,
+            contacts=simulator.contacts,
+            duration=verdict.duration,
+            wall_time=wall_time,
+            entries=self.mission.log,
+            travelled=self.mission.travelled,
+            motion_risk=self.mapper.motion_risk.copy(),
+            planning_risk=self.mapper.planning_risk.copy(),
+        )
+
+
+class _Perception:
+    """The part of the mapper node that gathers a packet, fed by the simulator."""
+
+    def __init__(self, parameters: MapperParameters) -> None:
+        self._assembler = ReadingAssembler(parameters)
+        self._sequence = PerceptionSequence(parameters)
+        self._request: int | None = None
+
+    def start(self, now: float, request: int) -> None:
+        self._request = request
+        self._sequence.start(now)
+
+    def tick(self, simulator: Simulator) -> float | None:
+        """Take what the simulator measured; return an angle for the turret [rad], if any."""
+        now = simulator.time
+        self._assembler.add_pose(now, simulator.pose, now)
+        self._assembler.add_turret(now, simulator.turret_angle, now)
+        self._sequence.on_turret(now, simulator.turret_angle)
+        for event in simulator.sonar_events:
+            self._assembler.add_range(event.sensor, event.stamp, event.range, now)
+        for reading in self._assembler.release(now):
+            self._sequence.on_reading(reading)
+        return self._sequence.step(now)
+
+    def ended(self) -> tuple[int, list[Any], str] | None:
+        """Return (request, readings, failure) once, when a perception is over."""
+        if self._request is None or self._sequence.active:
+            return None
+        request, self._request = self._request, None
+        return request, self._sequence.readings, self._sequence.failed
+
+
+def _area(world: World) -> dict[str, float]:
+    return {
+        "area.size_x": world.size[0],
+        "area.size_y": world.size[1],
+        "area.origin_x": world.origin[0],
+        "area.origin_y": world.origin[1],
+    }
+
+
+def run_mission(
+    world: World | str | os.PathLike[str],
+    start: Pose2 | None = None,
+    goal: tuple[float, float] | None = None,
+    seed: int = 0,
+    **options: Any,
+) -> MissionLog:
+    """Run a mission from start to verdict.
+
+    Parameters
+    ----------
+    world, start, goal, seed
+        See `HeadlessMission`.
+    **options
+        ``on_perception`` and ``time_limit`` of `HeadlessMission.run`; all others are those of
+        `HeadlessMission`.
+
+    Returns
+    -------
+    MissionLog
+
+    Raises
+    ------
+    ValueError
+        See `HeadlessMission`.
+
+    Examples
+    --------
+    >>> log = run_mission("lab", seed=1)
+    >>> log.outcome.name, log.contacts
+    ('REACHED', 0)
+    """
+    run = {name: options.pop(name) for name in ("on_perception", "time_limit") if name in options}
+    return HeadlessMission(world, start, goal, seed, **options).run(**run)
+
+
+def random_start(
+    world: World, seed: int, spread: float = 0.3, clearance: float = 0.05
+) -> Pose2:
+    """Draw a start pose around the world's.
+
+    Parameters
+    ----------
+    world : World
+        The world.
+    seed : int
+        The same seed gives the same pose; the simulator's noise does not depend on it.
+    spread : float
+        Largest distance in x and in y from the world's start [m]; the heading is any.
+    clearance : float
+        Least distance of the body from all surfaces [m].
+
+    Raises
+    ------
+    ValueError
+        If there is no room.
+    """
+    generator = np.random.default_rng([seed, 1])
+    radius = simulator_parameters(None, world.parameters).robot.radius
+    surfaces = world.surfaces()
+    x_low, y_low = world.origin
+    for _ in range(_DRAWS):
+        x = world.start.x + generator.uniform(-spread, spread)
+        y = world.start.y + generator.uniform(-spread, spread)
+        heading = generator.uniform(-np.pi, np.pi)
+        inside = x_low <= x < x_low + world.size[0] and y_low <= y < y_low + world.size[1]
+        if inside and surfaces.distance(x, y) >= radius + clearance:
+            return Pose2(float(x), float(y), float(heading))
+    raise ValueError(
+        f"no start with {clearance:g} m of clearance within {spread:g} m of "
+        f"({world.start.x:g}, {world.start.y:g}) in world '{world.name}'"
+    )
