@@ -17,7 +17,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fuzzy_map_building.types import InfraredReading
-
 from fuzzy_navigation.params import ClearanceParameters, InfraredParameters
 
 __all__ = [
@@ -165,10 +164,11 @@ class InfraredRing:
             if sensor not in self._newest or now - self._newest[sensor].stamp > limit
         ]
 
-    def hits(self) -> Points:
-        """Return the present hit points (x, y) [m], shape (n, 2)."""
+    def hits(self, now: float, limit: float) -> Points:
+        """Return the hit points (x, y) [m] of the last `limit` [s], shape (n, 2)."""
         p = self._parameters
-        return hit_points(tuple(self._newest.values()), p.mount_radius, p.min_range, p.max_range)
+        present = [r for r in self._newest.values() if now - r.stamp <= limit]
+        return hit_points(present, p.mount_radius, p.min_range, p.max_range)
 
 
 class StopRule(Protocol):
@@ -259,7 +259,9 @@ class BetaCutRule:
     def __init__(self, beta: float) -> None:
         self._beta = beta
 
-    def reach(self, augmented_risk: NDArray[np.float64], path: NDArray[np.int64]) -> int:
+    def reach(
+        self, augmented_risk: NDArray[np.float64], path: NDArray[np.int64], at: int = 0
+    ) -> int:
         """Return the index of the last cell of a path that may be driven to.
 
         Parameters
@@ -267,7 +269,10 @@ class BetaCutRule:
         augmented_risk : ndarray of float64, shape (H, W)
             Motion risk, augmented by the robot's body.
         path : ndarray of int64, shape (n, 2)
-            Cells (row, column); the first one, where the robot stands, is exempt.
+            Cells (row, column).
+        at : int
+            Index of the cell where the robot is; it and those before are exempt.
         """
-        outside = augmented_risk[path[1:, 0], path[1:, 1]] > self._beta
-        return int(np.argmax(outside)) if outside.any() else len(path) - 1
+        ahead = path[at + 1 :]
+        outside = augmented_risk[ahead[:, 0], ahead[:, 1]] > self._beta
+        return at + int(np.argmax(outside)) if outside.any() else len(path) - 1

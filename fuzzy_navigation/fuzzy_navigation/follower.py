@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fuzzy_map_building.types import Pose2, wrap_angle
-
 from fuzzy_navigation.params import FollowerParameters
 from fuzzy_navigation.path_smoothing import Leg, SmoothPath, smooth_path
 
@@ -172,6 +171,7 @@ class Follower:
         if not self._path.legs:
             return self._command(0.0, 0.0, dt)
         leg = self._path.legs[self._leg]
+        pose = self._predicted(pose, dt)
         i, along, lateral = self._locate(leg, pose)
         end = min(float(leg.s[-1]), stop_at)
         to_end = end - self._progress
@@ -193,6 +193,16 @@ class Follower:
         v = self._limited(v, self._v, self._p.linear_acceleration, self._p.max_linear, dt)
         return self._command(v, self._steer(leg, i, along, v, lateral, error), dt)
 
+    def _predicted(self, pose: Pose2, dt: float) -> Pose2:
+        """Return where the robot is about half a tick after a command that is a tick late."""
+        turn = self._omega * dt
+        heading = pose.theta + 0.5 * turn
+        return Pose2(
+            pose.x + self._v * dt * math.cos(heading),
+            pose.y + self._v * dt * math.sin(heading),
+            pose.theta + turn,
+        )
+
     def _speed_limit(self, leg: Leg) -> Floats:
         """Return the speed [m/s] along a leg that curvature and the leg's end allow."""
         p = self._p
@@ -200,9 +210,7 @@ class Follower:
         change = np.abs(np.gradient(leg.curvature, leg.s))
         with np.errstate(divide="ignore"):
             limit = np.minimum(p.max_linear, 0.9 * p.max_angular / curvature)
-            limit = np.minimum(
-                limit, np.sqrt(CURVATURE_PART * p.angular_acceleration / change)
-            )
+            limit = np.minimum(limit, np.sqrt(CURVATURE_PART * p.angular_acceleration / change))
         # The largest v with v^2 <= limit^2 + 2 a (distance) for every point ahead.
         a2 = 2.0 * BRAKING_PART * p.linear_acceleration
         energy = limit**2 + a2 * leg.s
@@ -237,9 +245,7 @@ class Follower:
         braking = BRAKING_PART * self._p.linear_acceleration
         # The command holds for a tick: half of it is driven at the old speed.
         lag = braking * dt
-        return min(
-            math.sqrt(lag * lag + 2.0 * braking * distance) - lag, POSITION_RATE * distance
-        )
+        return min(math.sqrt(lag * lag + 2.0 * braking * distance) - lag, POSITION_RATE * distance)
 
     def _turn_rate(self, error: float) -> float:
         """Return the turning rate [rad/s] that ends at heading error 0 without overshoot."""
@@ -259,9 +265,7 @@ class Follower:
     def _command(self, v: float, omega: float, dt: float) -> tuple[float, float]:
         p = self._p
         self._v = self._limited(v, self._v, p.linear_acceleration, p.max_linear, dt)
-        self._omega = self._limited(
-            omega, self._omega, p.angular_acceleration, p.max_angular, dt
-        )
+        self._omega = self._limited(omega, self._omega, p.angular_acceleration, p.max_angular, dt)
         return self._v, self._omega
 
     @staticmethod

@@ -7,9 +7,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from fuzzy_map_building.types import Pose2
 from numpy.typing import NDArray
 
+from fuzzy_map_building.types import Pose2
 from fuzzy_navigation.mission_types import Finish, LogEntry, Outcome, Stop
 
 __all__ = ["MissionRecord"]
@@ -71,9 +71,7 @@ class MissionRecord:
         """Count a perception and log it."""
         self.perceptions += 1
         self.log.append(
-            LogEntry(
-                self.perceptions, now, pose, self.last_stop, self.alpha, distance_remaining
-            )
+            LogEntry(self.perceptions, now, pose, self.last_stop, self.alpha, distance_remaining)
         )
 
     def stopped(self, reason: Stop, progress: bool) -> None:
@@ -83,6 +81,8 @@ class MissionRecord:
 
     def finish(self, outcome: Outcome, message: str, time: float) -> Finish:
         """Return the verdict with the counters."""
+        if outcome is Outcome.REACHED:
+            self.last_stop = Stop.GOAL
         return Finish(
             self.mission,
             outcome,

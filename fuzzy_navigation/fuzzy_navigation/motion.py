@@ -14,10 +14,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from fuzzy_map_building.grid import GridGeometry
-from fuzzy_map_building.types import Pose2
 from numpy.typing import NDArray
 
+from fuzzy_map_building.grid import GridGeometry
+from fuzzy_map_building.types import Pose2
 from fuzzy_navigation.clearance import approach_speed, clearance_at, stop_rule
 from fuzzy_navigation.follower import BRAKING_PART, Follower
 from fuzzy_navigation.mission_types import Stop
@@ -27,6 +27,8 @@ __all__ = ["Motion", "PlannedPath"]
 
 #: A point of the path that is nearer than this [m] has been passed.
 PASSED = 0.01
+#: A robot that came this much farther along its path has come on [m].
+ADVANCE = 0.01
 #: Speed that is allowed at any clearance [m/s].
 LEAST_SPEED = 0.1
 
@@ -101,6 +103,7 @@ class Motion:
         self._relaxed = False
         self._stopping: Stop | None = None
         self._stopped: Stop | None = None
+        self._stalled = self._advanced = 0.0
         self._follower.halt()
 
     @property
@@ -112,6 +115,18 @@ class Motion:
     def stopped(self) -> Stop | None:
         """Why the motion is over and the robot stands; None while it goes on."""
         return self._stopped
+
+    @property
+    def stalled(self) -> float:
+        """Time that the robot has been driven without coming on [s]."""
+        return self._stalled
+
+    @property
+    def passed(self) -> int:
+        """Index of the last cell of the path that the robot has passed."""
+        follower = self._follower
+        passed = follower.vertex_progress <= follower.progress + PASSED
+        return int(np.flatnonzero(passed)[-1])
 
     @property
     def progress(self) -> float:
@@ -143,20 +158,18 @@ class Motion:
             Whether the last perception brought no progress.
         """
         self._path, self._reach, self._relaxed = path, reach, relaxed
-        self._stopping = self._stopped = None
-        points = path.points[: reach + 1].copy()
-        last = len(path.points) - 1
         self._driven = reach
-        half = 0.5 * path.resolution + 1e-9
-        if reach == last and np.abs(path.points[-1] - (goal.x, goal.y)).max() <= half:
-            points = np.vstack([points[:last], (goal.x, goal.y)])
-        elif reach == 0:
-            self._follower.follow([(pose.x, pose.y)])
-            self._stopped = Stop.GOAL if last == 0 else Stop.UNEXPLORED
-            return
-        # From where the robot is straight to the second cell, or to the goal in its own one.
-        points = np.vstack([(pose.x, pose.y), points[1:] if len(points) > 1 else points])
-        self._follower.follow(points)
+        self._stopping = self._stopped = None
+        self._stalled, self._advanced = 0.0, 0.0
+        last = len(path.points) - 1
+        targets = path.points.copy()
+        if np.abs(targets[last] - (goal.x, goal.y)).max() <= 0.5 * path.resolution + 1e-9:
+            targets[last] = goal.x, goal.y
+        # From where the robot is straight to the second cell, or to the aim in its own one.
+        ahead = targets[1 : reach + 1] if last > 0 else targets
+        self._follower.follow(np.vstack([(pose.x, pose.y), ahead]))
+        if last > 0 and reach == 0:
+            self._stopped = Stop.UNEXPLORED
 
     def allow(self, reach: int) -> None:
         """Take a new limit of the explored area while the robot is on its way."""
@@ -179,6 +192,9 @@ class Motion:
             Time since the last tick [s].
         """
         follower = self._follower
+        self._stalled += dt
+        if follower.progress > self._advanced + ADVANCE:
+            self._stalled, self._advanced = 0.0, follower.progress
         stop_at, max_speed = self._limits(pose, hits, dt)
         if self._stopping is not None:
             stop_at = -math.inf
@@ -193,9 +209,7 @@ class Motion:
             self._stopping = self._stopping or Stop.NONE
         return v, omega
 
-    def _limits(
-        self, pose: Pose2, hits: NDArray[np.float64], dt: float
-    ) -> tuple[float, float]:
+    def _limits(self, pose: Pose2, hits: NDArray[np.float64], dt: float) -> tuple[float, float]:
         """Return where the robot has to stand at the latest [m] and its largest speed [m/s]."""
         follower = self._follower
         speed, _ = follower.velocity
@@ -203,15 +217,13 @@ class Motion:
         horizon = follower.progress + speed * speed / (2.0 * deceleration)
         horizon += 2.0 * speed * dt + 1.5 * self._path.resolution
         passed = follower.vertex_progress
-        following = np.flatnonzero(passed > follower.progress + PASSED)
-        ahead = following[passed[following] <= horizon]
-        if len(ahead) == 0:
-            ahead = following[:1]
+        following = np.arange(self.passed + 1, len(passed))
+        near = passed[following] <= horizon
+        near[:1] = True
+        ahead = following[near]
         places = np.vstack([(pose.x, pose.y), follower.points_at(passed[ahead])])
         clearances = clearance_at(places, hits, self._p.robot_radius)
-        max_speed = max(
-            LEAST_SPEED, approach_speed(float(clearances[0]), deceleration, 2.0 * dt)
-        )
+        max_speed = max(LEAST_SPEED, approach_speed(float(clearances[0]), deceleration, 2.0 * dt))
         stop_at = math.inf
         if self._reach < self._driven:
             # The map changed under the path.

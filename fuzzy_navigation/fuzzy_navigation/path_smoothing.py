@@ -9,6 +9,7 @@ a straight line. A moving average along the path then turns what corners are lef
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 
@@ -109,7 +110,7 @@ def smooth_path(points: ArrayLike, max_deviation: float) -> SmoothPath:
     legs: list[Leg] = []
     vertex_s = np.zeros(len(given))
     s0 = 0.0
-    for first, last in zip(stops, stops[1:]):
+    for first, last in itertools.pairwise(stops):
         leg, t = _smooth_leg(
             corners[first : last + 1],
             knots[first : last + 1],
@@ -129,7 +130,8 @@ def _deflections(corners: Floats) -> Floats:
     d = np.diff(corners, axis=0)
     cross = d[:-1, 0] * d[1:, 1] - d[:-1, 1] * d[1:, 0]
     dot = (d[:-1] * d[1:]).sum(axis=1)
-    return np.abs(np.arctan2(cross, dot))
+    angle: Floats = np.abs(np.arctan2(cross, dot))
+    return angle
 
 
 def _smooth_leg(

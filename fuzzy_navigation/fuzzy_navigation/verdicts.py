@@ -1,0 +1,71 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""When a mission is over, and what is then said: only what the robot knows to be true."""
+
+from __future__ import annotations
+
+from fuzzy_map_building.grid import GridGeometry
+from fuzzy_map_building.types import Pose2
+from fuzzy_navigation.mission_record import MissionRecord
+from fuzzy_navigation.mission_types import Outcome
+from fuzzy_navigation.params import MotionParameters
+
+__all__ = ["Verdict", "arrival", "exhaustion", "outside", "stalemate"]
+
+Verdict = tuple[Outcome, str]
+
+
+def outside(record: MissionRecord, geometry: GridGeometry | None) -> Verdict | None:
+    """Return the verdict on a goal outside the map, None if it lies inside."""
+    goal = record.goal
+    if geometry is None or geometry.contains(goal.x, goal.y):
+        return None
+    x0, y0, x1, y1 = geometry.bounds
+    return (
+        Outcome.FAILED,
+        f"the goal ({goal.x:.2f}, {goal.y:.2f}) m lies outside the map, which covers "
+        f"x {x0:g} to {x1:g} m and y {y0:g} to {y1:g} m; choose a goal inside",
+    )
+
+
+def arrival(record: MissionRecord, pose: Pose2) -> Verdict | None:
+    """Return the verdict on a robot that stands at the goal, None if it does not."""
+    distance = pose.distance_to(record.goal.x, record.goal.y)
+    if distance > record.tolerance:
+        return None
+    return Outcome.REACHED, f"the robot stands {distance:.3f} m from the goal"
+
+
+def stalemate(record: MissionRecord, pose: Pose2, parameters: MotionParameters) -> Verdict | None:
+    """Return the verdict on a robot that gets nowhere, None while it may still.
+
+    Above the first rung of the ladder the planner admits cells that are believed occupied, on
+    the last one all. A robot that makes no progress on such a path has found no way: the goal
+    is unreachable. A livelock is no progress on a path that seems free.
+    """
+    if record.without_progress < parameters.livelock_limit:
+        return None
+    what = (
+        f"{record.without_progress} perceptions in a row at ({pose.x:.2f}, {pose.y:.2f}) m "
+        f"brought no progress, the last stop was {record.last_stop.name}"
+    )
+    if record.alpha > parameters.believed_free_alpha:
+        return (
+            Outcome.UNREACHABLE,
+            "the only paths left lead through cells believed occupied "
+            f"(alpha {record.alpha:g}): {what}",
+        )
+    return Outcome.LIVELOCK, f"a path seems free (alpha {record.alpha:g}), but {what}"
+
+
+def exhaustion(
+    record: MissionRecord, parameters: MotionParameters, distance_remaining: float
+) -> Verdict | None:
+    """Return the verdict on a mission with no perception left, None if it has one."""
+    if record.perceptions < parameters.perception_cap:
+        return None
+    return (
+        Outcome.UNREACHABLE,
+        f"not reached after {record.perceptions} perceptions, the most that 'perception_cap' "
+        f"allows; {distance_remaining:.2f} m were left",
+    )
