@@ -63,9 +63,7 @@ def heading(reading: SonarReading) -> float:
 
 def faulty(reading: SonarReading, p: MapperParameters) -> bool:
     r = reading.range
-    return math.isnan(r) or (
-        math.isfinite(r) and not p.sonar.min_range <= r <= p.sonar.max_range
-    )
+    return math.isnan(r) or (math.isfinite(r) and not p.sonar.min_range <= r <= p.sonar.max_range)
 
 
 def limit_of_lost_echo(reading: SonarReading, usable: list, p: MapperParameters) -> float:
@@ -212,7 +210,8 @@ def test_equals_the_equations_cell_by_cell(aggregation: str, apex: str, seed: in
         np.testing.assert_array_equal(mapper.count, scalar.n)
         assert report.accepted + sum(report.rejected.values()) == len(readings)
         assert report.rejected.get("nan", 0) == sum(math.isnan(r.range) for r in readings)
-    assert (mapper.count > 1).any() and (mapper.occupied > 0).any()
+    assert (mapper.count > 1).any()
+    assert (mapper.occupied > 0).any()
 
 
 def test_a_packet_of_the_paper_s_ring_equals_the_equations() -> None:

@@ -1,0 +1,205 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""Parameters of the sensors: what they are, what their readings say, how that is fused."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from fuzzy_map_building.parameter_schema import ParameterError, parameter, validate
+
+__all__ = ["EvidenceParameters", "FusionParameters", "SonarParameters"]
+
+_PAPER = "Oriolo 1998"
+
+
+@dataclass(frozen=True)
+class SonarParameters:
+    """The ring of sonars: where they sit and what one of them can measure."""
+
+    frame_ids: tuple[str, ...] = parameter(
+        tuple(f"sonar_{i}" for i in range(16)),
+        doc="frame_id of each sonar's Range messages; its place in the list is its index",
+        source=f"{_PAPER}, section III-A",
+        read_only=True,
+    )
+    bearings: tuple[float, ...] = parameter(
+        tuple(math.radians(22.5 * i) for i in range(16)),
+        doc="direction of each sonar's axis, counter-clockwise from the turret's x axis",
+        unit="rad",
+        minimum=-2.0 * math.pi,
+        maximum=2.0 * math.pi,
+        source=f"{_PAPER}, section III-A",
+        read_only=True,
+    )
+    mount_radius: float = parameter(
+        0.23,
+        doc="distance of the sonars' faces from the robot's centre",
+        unit="m",
+        minimum=0.0,
+        maximum=10.0,
+        source=f"{_PAPER}, section II",
+    )
+    apex: str = parameter(
+        "center",
+        doc="apex of the radiation cones: the robot's centre (the range then grows by "
+        "mount_radius) or the sonar's mount. With 'mount' the cones do not overlap close to "
+        "the robot and a single perception opens no way out",
+        choices=("center", "mount"),
+        source="measured",
+    )
+    field_of_view: float = parameter(
+        math.radians(25.0),
+        doc="full angle of the radiation cone; what lies beyond the main lobe of the "
+        "directivity gives no evidence in any case",
+        unit="rad",
+        minimum=math.radians(0.1),
+        maximum=math.pi,
+        source=f"{_PAPER}, section III-A",
+    )
+    min_range: float = parameter(
+        0.12,
+        doc="least range that counts as a measurement",
+        unit="m",
+        minimum=0.0,
+        maximum=100.0,
+        source=f"{_PAPER}, section III-A",
+    )
+    max_range: float = parameter(
+        6.5,
+        doc="greatest range that counts as a measurement; never a code for a lost echo",
+        unit="m",
+        minimum=0.01,
+        maximum=100.0,
+        source=f"{_PAPER}, section III-A",
+    )
+    lost_echo: str = parameter(
+        "neighbours",
+        doc="what a reading without echo (+inf) says: emptiness out to the shorter return of "
+        "its angular neighbours in the packet ('neighbours'), out to max_range ('full'), or "
+        "nothing ('ignore')",
+        choices=("neighbours", "full", "ignore"),
+        source="measured",
+    )
+    piston_radius: float = parameter(
+        0.01921,
+        doc="radius of the transducer, of equation (1)",
+        unit="m",
+        minimum=1e-4,
+        maximum=1.0,
+        source=f"{_PAPER}, equation (1)",
+    )
+    frequency: float = parameter(
+        49410.0,
+        doc="frequency of the ultrasonic wave, of equation (1)",
+        unit="Hz",
+        minimum=1000.0,
+        maximum=1e6,
+        source=f"{_PAPER}, equation (1)",
+    )
+    speed_of_sound: float = parameter(
+        343.0,
+        doc="speed of sound, of equation (1)",
+        unit="m/s",
+        minimum=100.0,
+        maximum=2000.0,
+        source="air at 20 degrees Celsius",
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+        if not self.frame_ids:
+            raise ParameterError("parameter 'sonar.frame_ids' must name at least one sonar")
+        if len(self.frame_ids) != len(self.bearings):
+            raise ParameterError(
+                f"'sonar.frame_ids' names {len(self.frame_ids)} sonars but 'sonar.bearings' "
+                f"gives {len(self.bearings)} directions; give both for every sonar"
+            )
+        repeated = sorted({name for name in self.frame_ids if self.frame_ids.count(name) > 1})
+        if repeated:
+            raise ParameterError(
+                f"'sonar.frame_ids' repeats {', '.join(map(repr, repeated))}; every sonar needs "
+                f"a frame of its own"
+            )
+        if not self.min_range < self.max_range:
+            raise ParameterError(
+                f"'sonar.min_range' ({self.min_range} m) must be less than 'sonar.max_range' "
+                f"({self.max_range} m)"
+            )
+
+
+@dataclass(frozen=True)
+class EvidenceParameters:
+    """What one reading says of a cell, equations (1)-(5)."""
+
+    k_empty: float = parameter(
+        0.4,
+        doc="k_E: greatest belief of empty that one reading gives",
+        minimum=0.0,
+        maximum=1.0,
+        source=f"{_PAPER}, equation (2) and section V",
+    )
+    k_occupied: float = parameter(
+        0.4,
+        doc="k_O: greatest belief of occupied that one reading gives",
+        minimum=0.0,
+        maximum=1.0,
+        source=f"{_PAPER}, equation (3) and section V",
+    )
+    range_margin: float = parameter(
+        0.15,
+        doc="Delta r: half width of the band around the range that counts as its arc",
+        unit="m",
+        minimum=1e-3,
+        maximum=10.0,
+        source=f"{_PAPER}, equations (2), (3) and section V",
+    )
+    visibility_radius: float = parameter(
+        1.5,
+        doc="rho_v: farther than this from the sensor a reading says nothing",
+        unit="m",
+        minimum=0.01,
+        maximum=100.0,
+        source=f"{_PAPER}, sections III-B and V",
+    )
+    dombi_lambda: float = parameter(
+        0.4,
+        doc="lambda of the Dombi union; the smaller, the more concordant readings add up",
+        minimum=0.05,
+        maximum=20.0,
+        source=f"{_PAPER}, equation (18) and section V",
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@dataclass(frozen=True)
+class FusionParameters:
+    """How the evidence of a packet enters the map, equations (6)-(10)."""
+
+    rule: str = parameter(
+        "fuzzy",
+        doc="theory by which evidence is fused into the map",
+        choices=("fuzzy",),
+        source=f"{_PAPER}, section III-C",
+    )
+    aggregation: str = parameter(
+        "mean",
+        doc="weighted mean over the perceptions ('mean': a map that follows changes), Dombi "
+        "union ('dombi') or greatest value ('max'), both for a world that stays as it is",
+        choices=("mean", "dombi", "max"),
+        source=f"{_PAPER}, equations (6)-(9); 'max': Lachekhab et al.",
+    )
+    max_count: int = parameter(
+        3,
+        doc="N_max: the weighted mean counts no more perceptions of a cell than this; the "
+        "smaller, the sooner the map follows a change",
+        minimum=1,
+        maximum=1_000_000,
+        source=f"{_PAPER}, equation (10) and section V",
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
