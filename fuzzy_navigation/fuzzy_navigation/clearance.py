@@ -1,9 +1,8 @@
 # Copyright 2026 The fuzzy navigation maintainers
 # SPDX-License-Identifier: Apache-2.0
-"""What the infrared ring sees, and the rules that stop the motion.
+"""What the infrared ring sees, and the rules that stop the robot before it gets too close.
 
-Paper, section IV-B: the robot follows its path unless (1) it is leaving the explored area, the
-beta-cut of the motion map, or (2) the proximity sensors see an obstacle closer than a least
+Paper, section IV-B, stop condition 2: the proximity sensors see an obstacle closer than a least
 clearance.
 """
 
@@ -20,7 +19,6 @@ from fuzzy_map_building.types import InfraredReading
 from fuzzy_navigation.params import ClearanceParameters, InfraredParameters
 
 __all__ = [
-    "BetaCutRule",
     "ClosingClearance",
     "InfraredRing",
     "StopRule",
@@ -245,34 +243,3 @@ def stop_rule(parameters: ClearanceParameters) -> StopRule:
     if parameters.rule == "strict":
         return StrictClearance(parameters.limit)
     return ClosingClearance(parameters.limit, parameters.override)
-
-
-class BetaCutRule:
-    """How far a path stays in the explored area (paper, section IV-B, condition 1).
-
-    Parameters
-    ----------
-    beta : float
-        Largest augmented motion risk of a cell that may be entered.
-    """
-
-    def __init__(self, beta: float) -> None:
-        self._beta = beta
-
-    def reach(
-        self, augmented_risk: NDArray[np.float64], path: NDArray[np.int64], at: int = 0
-    ) -> int:
-        """Return the index of the last cell of a path that may be driven to.
-
-        Parameters
-        ----------
-        augmented_risk : ndarray of float64, shape (H, W)
-            Motion risk, augmented by the robot's body.
-        path : ndarray of int64, shape (n, 2)
-            Cells (row, column).
-        at : int
-            Index of the cell where the robot is; it and those before are exempt.
-        """
-        ahead = path[at + 1 :]
-        outside = augmented_risk[ahead[:, 0], ahead[:, 1]] > self._beta
-        return at + int(np.argmax(outside)) if outside.any() else len(path) - 1

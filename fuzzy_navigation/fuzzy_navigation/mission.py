@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from enum import Enum, auto
+from enum import Enum
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,7 +18,8 @@ from numpy.typing import ArrayLike, NDArray
 from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.types import InfraredReading, Pose2
 from fuzzy_navigation import verdicts
-from fuzzy_navigation.clearance import BetaCutRule, InfraredRing, clearance_at
+from fuzzy_navigation.clearance import InfraredRing, clearance_at
+from fuzzy_navigation.explored_area import ExploredArea
 from fuzzy_navigation.mission_record import MissionRecord
 from fuzzy_navigation.mission_types import (
     Command,
@@ -36,7 +37,6 @@ from fuzzy_navigation.mission_waiting import Hold, MissionTime, OpenRequest
 from fuzzy_navigation.motion import Motion, PlannedPath
 from fuzzy_navigation.params import MotionParameters
 from fuzzy_navigation.planner import PlanResult, PlanStatus
-from fuzzy_navigation.risk import augment
 
 __all__ = ["Mission"]
 
@@ -46,12 +46,7 @@ ARRIVAL_MARGIN = 0.01
 LONGEST_TICK = 0.2
 
 
-class _State(Enum):
-    IDLE = auto()
-    WAITING = auto()  # for the first pose
-    PERCEIVING = auto()
-    PLANNING = auto()
-    MOVING = auto()
+_State = Enum("_State", ["IDLE", "WAITING", "PERCEIVING", "PLANNING", "MOVING"])
 
 
 class Mission:
@@ -71,9 +66,7 @@ class Mission:
         self._p = parameters if parameters is not None else MotionParameters()
         self._ring = InfraredRing(self._p.infrared)
         self._motion = Motion(self._p)
-        self._cut = BetaCutRule(self._p.beta)
-        self._geometry: GridGeometry | None = None
-        self._risk: NDArray[np.float64] | None = None
+        self._area: ExploredArea | None = None
         self._pose: Pose2 | None = None
         self._pose_time = -math.inf
         self._time = MissionTime()
@@ -157,15 +150,11 @@ class Mission:
         commands: list[Command] = []
         if self.active:
             commands += self._finish((Outcome.CANCELED, "a newer goal replaced this one"))
-        self._record = MissionRecord(
-            self._record.mission + 1,
-            target,
-            tolerance or self._p.goal_tolerance,
-            self._time.elapsed,
-        )
+        number, accuracy = self._record.mission + 1, tolerance or self._p.goal_tolerance
+        self._record = MissionRecord(number, target, accuracy, self._time.elapsed)
         self._motion.forget()
         self._state = _State.WAITING
-        refusal = verdicts.outside(self._record, self._geometry)
+        refusal = verdicts.outside(self._record, self._area.geometry) if self._area else None
         if refusal:
             commands += self._finish(refusal)
         elif self._pose_age() > self._p.timeout.pose:
@@ -241,22 +230,14 @@ class Mission:
             If shape or values are wrong; then the map before stays.
         """
         self._time.check(now)
-        if np.shape(motion_risk) != geometry.shape:
-            raise ValueError(
-                f"the motion map has {np.shape(motion_risk)} (rows, columns), but its geometry "
-                f"has {geometry.shape}"
-            )
-        # "To account for the actual robot dimensions": paper, section IV-B.
-        self._risk = augment(
-            motion_risk, self._p.robot_radius, geometry.resolution, self._p.augmentation
-        )
-        self._geometry = geometry
+        p = self._p
+        self._area = ExploredArea(geometry, motion_risk, p.beta, p.robot_radius, p.augmentation)
         self._advance(now)
         refusal = verdicts.outside(self._record, geometry) if self.active else None
         if refusal:
             return tuple(self._finish(refusal))
         if self._state is _State.MOVING:
-            self._motion.allow(self._reach(self._motion.path, self._motion.passed))
+            self._motion.allow(self._area.reach(self.plan_path, self._motion.passed))
         if self._state is _State.PERCEIVING:
             self._map_seen |= (now if stamp is None else stamp) >= self._asked_at
             return tuple(self._perceived(now))
@@ -265,7 +246,7 @@ class Mission:
     def on_perception(self, now: float, request: int, ok: bool, message: str = "") -> Commands:
         """Take the end of a perception, done or failed; a stale answer changes nothing."""
         self._advance(now)
-        if self._state is not _State.PERCEIVING or not self._request.answered_by(request):
+        if not self._awaits(_State.PERCEIVING, request):
             return ()
         if not ok:
             return tuple(self._failed_once("the perception failed", message))
@@ -275,21 +256,20 @@ class Mission:
     def on_plan(self, now: float, request: int, plan: PlanResult) -> Commands:
         """Take the planner's answer, of a path its poses; a stale one changes nothing."""
         self._advance(now)
-        if self._state is not _State.PLANNING or not self._request.answered_by(request):
+        if not self._awaits(_State.PLANNING, request):
             return ()
         if plan.status == PlanStatus.FOUND:
             return tuple(self._move(plan))
-        if plan.status == PlanStatus.NO_PATH:
-            return tuple(self._finish((Outcome.UNREACHABLE, plan.message)))
         if plan.status == PlanStatus.NO_MAP:
             return tuple(self._failed_once("the planner has no map", plan.message))
-        refusal = f"the planner refused the request: {plan.message}"
-        return tuple(self._finish((Outcome.FAILED, refusal)))
+        unreachable = plan.status == PlanStatus.NO_PATH
+        outcome = Outcome.UNREACHABLE if unreachable else Outcome.FAILED
+        return tuple(self._finish((outcome, plan.message)))
 
     def on_plan_error(self, now: float, request: int, message: str) -> Commands:
         """Take note that no answer comes from the planner."""
         self._advance(now)
-        if self._state is not _State.PLANNING or not self._request.answered_by(request):
+        if not self._awaits(_State.PLANNING, request):
             return ()
         return tuple(self._failed_once("the planner did not answer", message))
 
@@ -303,6 +283,9 @@ class Mission:
 
     def _pose_age(self) -> float:
         return self._time.elapsed - self._pose_time
+
+    def _awaits(self, state: _State, request: int) -> bool:
+        return self._state is state and self._request.answered_by(request)
 
     def _watch(self) -> list[Command]:
         """Stop, ask again or give up for what did not come in time."""
@@ -371,27 +354,17 @@ class Mission:
 
     def _move(self, plan: PlanResult) -> list[Command]:
         assert self._pose is not None
-        assert self._geometry is not None
+        assert self._area is not None
         try:
-            path = PlannedPath.of(plan.poses, plan.alpha, self._geometry, self._pose)
+            path = PlannedPath.of(plan.poses, plan.alpha, self._area.geometry, self._pose)
         except ValueError as error:
             return self._failed_once("the planner's path cannot be followed", str(error))
         self._request.settle()
         self._state = _State.MOVING
         self._record.alpha = plan.alpha
-        self._motion.begin(
-            self._pose, path, self._record.goal, self._reach(path), self._record.relaxed
-        )
+        reach = self._area.reach(path.points)
+        self._motion.begin(self._pose, path, self._record.goal, reach, self._record.relaxed)
         return self._stopped() if self._motion.stopped is not None else []
-
-    def _reach(self, path: PlannedPath, at: int = 0) -> int:
-        """Return how far from cell `at` on the path leads through the explored area."""
-        assert self._geometry is not None
-        assert self._risk is not None
-        cells, inside = self._geometry.cells_of(path.points)
-        # A map that has shrunk ends the path where it leaves the map.
-        end = len(cells) if inside.all() else int(np.argmin(inside))
-        return self._cut.reach(self._risk, cells[: max(end, at + 1)], at)
 
     def _drive(
         self, now: float, pose: Pose2, hits: NDArray[np.float64], dt: float
@@ -403,29 +376,21 @@ class Mission:
         v, omega = self._motion.step(pose, hits, dt)
         if self._motion.stopped is not None:
             return self._stopped()
-        if self._motion.stalled > self._patience:
-            reason = (
-                f"the robot does not do what it is told: commanded for {self._patience:.0f} s, "
-                f"it is still at ({pose.x:.2f}, {pose.y:.2f}) m"
-            )
+        if self._motion.stuck:
+            where = f"({pose.x:.2f}, {pose.y:.2f}) m"
+            reason = f"the robot does not do what it is told: it is still at {where}"
             return self._finish((Outcome.FAILED, reason))
         return [Drive(v, omega)]
-
-    @property
-    def _patience(self) -> float:
-        """Longest time [s] without progress on a path: that of a full turn, and some more."""
-        return self._p.timeout.lost + 2.0 * math.pi / self._p.follower.max_angular
 
     def _stopped(self) -> list[Command]:
         """Judge what the motion brought, and perceive again unless that is the end."""
         assert self._pose is not None
-        assert self._geometry is not None
         assert self._motion.stopped is not None
         verdict = verdicts.arrival(self._record, self._pose)
         if verdict:
             return self._finish(verdict)
         # A cell, less what the follower may stop short of it.
-        progress = self._motion.progress >= 0.9 * self._geometry.resolution
+        progress = self._motion.progress >= 0.9 * self._motion.path.resolution
         self._record.stopped(self._motion.stopped, progress)
         verdict = verdicts.stalemate(self._record, self._pose, self._p)
         return self._finish(verdict) if verdict else self._perceive()

@@ -117,9 +117,11 @@ class Motion:
         return self._stopped
 
     @property
-    def stalled(self) -> float:
-        """Time that the robot has been driven without coming on [s]."""
-        return self._stalled
+    def stuck(self) -> bool:
+        """Whether the robot has been driven for long without coming on."""
+        # Time for a turn on the spot, and some more.
+        turn = 2.0 * math.pi / self._p.follower.max_angular
+        return self._stalled > self._p.timeout.lost + turn
 
     @property
     def passed(self) -> int:

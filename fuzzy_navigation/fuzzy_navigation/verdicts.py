@@ -15,10 +15,10 @@ __all__ = ["Verdict", "arrival", "exhaustion", "outside", "stalemate"]
 Verdict = tuple[Outcome, str]
 
 
-def outside(record: MissionRecord, geometry: GridGeometry | None) -> Verdict | None:
+def outside(record: MissionRecord, geometry: GridGeometry) -> Verdict | None:
     """Return the verdict on a goal outside the map, None if it lies inside."""
     goal = record.goal
-    if geometry is None or geometry.contains(goal.x, goal.y):
+    if geometry.contains(goal.x, goal.y):
         return None
     x0, y0, x1, y1 = geometry.bounds
     return (
