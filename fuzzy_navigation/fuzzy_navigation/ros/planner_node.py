@@ -52,10 +52,10 @@ class PlannerNode(Node):
 
     def __init__(self) -> None:
         super().__init__(names.PLANNER_NODE)
-        self._parameters = declare_parameters(
+        self._settings = declare_parameters(
             self, planner_parameters, PLANNER_PRESETS, on_change=self._use_parameters
         )
-        self._planner = Planner(_NOWHERE, self._parameters.values)
+        self._planner = Planner(_NOWHERE, self._settings.values)
         self._map: OccupancyGrid | None = None
         self._answers: Counter[str] = Counter()
         self._last_time = 0.0
@@ -68,7 +68,7 @@ class PlannerNode(Node):
 
     def _on_map(self, message: OccupancyGrid) -> None:
         try:
-            self._planner = self._planner_on(message, self._parameters.values)
+            self._planner = self._planner_on(message, self._settings.values)
         except Refused as refusal:
             self._diagnostics.reject(names.PLANNING_MAP, refusal.reason, str(refusal))
             return

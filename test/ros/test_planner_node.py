@@ -1,0 +1,332 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""The planner as a process: answers equal to the core's, refusals that say why."""
+
+from __future__ import annotations
+
+import math
+import signal
+from collections import Counter
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticArray
+from fuzzy_msgs.srv import PlanPath
+from geometry_msgs.msg import PoseStamped
+from harness import NodeProcess, Probe, Received, wait_until
+from nav_msgs.msg import OccupancyGrid, Path
+from nav_msgs.srv import GetPlan
+from numpy.typing import NDArray
+from rcl_interfaces.srv import SetParameters
+from rclpy.parameter import Parameter
+from rclpy.publisher import Publisher
+
+from fuzzy_map_building.grid import GridGeometry
+from fuzzy_map_building.ros import names, qos
+from fuzzy_map_building.ros.conversions import grid_to_msg, path_from_msg
+from fuzzy_navigation.params import PlannerParameters, planner_parameters
+from fuzzy_navigation.planner import Planner, PlanStatus
+
+GEOMETRY = GridGeometry(40, 30, 0.1, (-1.0, 0.5))
+START, GOAL = (-0.55, 1.05), (2.45, 2.95)
+
+
+def world() -> NDArray[np.int8]:
+    """A map in grey levels: hills of risk, and a wall with one opening."""
+    rows, columns = np.mgrid[0:30, 0:40]
+    values = (25.0 + 25.0 * np.sin(rows / 3.0) * np.cos(columns / 5.0)).astype(np.int8)
+    values[:, 20] = 100
+    values[8:16, 20] = 10
+    return values
+
+
+def map_message(values: NDArray[np.int8], stamp: int = 1) -> OccupancyGrid:
+    return grid_to_msg(
+        values, GridGeometry(*values.shape[::-1], 0.1, (-1.0, 0.5)), Time(sec=stamp)
+    )
+
+
+def at(position: tuple[float, float], frame: str = "map") -> PoseStamped:
+    message = PoseStamped()
+    message.header.frame_id = frame
+    message.pose.position.x, message.pose.position.y = position
+    return message
+
+
+def request(**fields: Any) -> PlanPath.Request:
+    return PlanPath.Request(**{"start": at(START), "goal": at(GOAL), **fields})
+
+
+class Driver:
+    """A planner process and what the tests say to it and hear from it."""
+
+    def __init__(self, probe: Probe, process: NodeProcess) -> None:
+        self.probe = probe
+        self.process = process
+        self.plans: Received[Path] = probe.subscribe(Path, names.PLAN, qos.LATCHED)
+        self.diagnostics: Received[DiagnosticArray] = probe.subscribe(
+            DiagnosticArray, names.DIAGNOSTICS, qos.RELIABLE
+        )
+        self._maps: Publisher = probe.publisher(OccupancyGrid, names.PLANNING_MAP, qos.LATCHED)
+
+    def plan(self, **fields: Any) -> PlanPath.Response:
+        return self.probe.call(PlanPath, names.PLAN_PATH, request(**fields))
+
+    def give(self, message: OccupancyGrid) -> None:
+        self._maps.publish(message)
+
+    def give_and_wait(self, message: OccupancyGrid) -> None:
+        """Give a map and return when the planner has it."""
+        self.give(message)
+        wait_until(
+            lambda: self.plan().path.header.stamp == message.header.stamp, "the planner's new map"
+        )
+
+
+def values(array: DiagnosticArray) -> dict[str, str]:
+    """Return what a message says of the planner, by name."""
+    return {v.key: v.value for s in array.status if s.name == names.PLANNER_NODE for v in s.values}
+
+
+@pytest.fixture
+def planner(probe: Probe, start_node: Callable[..., NodeProcess]) -> Driver:
+    return Driver(probe, start_node("planner"))
+
+
+def core(parameters: PlannerParameters | None = None) -> Planner:
+    """The core on the same map: what goes over the wire is percent."""
+    out = Planner(GEOMETRY, parameters)
+    out.set_map(world() / 100.0)
+    return out
+
+
+REQUESTS: list[dict[str, Any]] = [
+    {},
+    {"cost": PlanPath.Request.G1},
+    {"cost": PlanPath.Request.G2},
+    {"cost": PlanPath.Request.G3},
+    {"adjacency": 4},
+    {"cost": PlanPath.Request.G3, "adjacency": 8},
+    {"alpha": 0.7},
+    {"alpha": 0.05},
+    {"alpha": 1.0},
+    {"tolerance": 0.05},
+    {"goal": at(GOAL, frame="")},
+    {"goal": at((1.05, 3.45)), "tolerance": 0.6},
+    {"start": at(GOAL), "goal": at(START)},
+    {"goal": at(START)},
+]
+COSTS = {0: None, 1: "g1", 2: "g2", 3: "g3"}
+
+
+def test_plan_path_answers_what_the_core_answers(planner: Driver) -> None:
+    planner.give_and_wait(map_message(world()))
+    statuses = set()
+    for fields in REQUESTS:
+        asked = request(**fields)
+        expected = core().plan(
+            (asked.start.pose.position.x, asked.start.pose.position.y),
+            (asked.goal.pose.position.x, asked.goal.pose.position.y),
+            COSTS[asked.cost],
+            asked.alpha,
+            asked.adjacency,
+            asked.tolerance,
+        )
+        response = planner.plan(**fields)
+        assert response.status == expected.status, fields
+        assert response.message == expected.message
+        assert (response.g1, response.g2, response.g3) == (expected.g1, expected.g2, expected.g3)
+        assert response.alpha == pytest.approx(expected.alpha, abs=1e-6)
+        assert response.expanded_cells == expected.expanded
+        assert 0.0 < response.planning_time < 10.0
+        poses = path_from_msg(response.path)
+        assert [(p.x, p.y) for p in poses] == [(p.x, p.y) for p in expected.poses]
+        assert [p.theta for p in poses] == pytest.approx([p.theta for p in expected.poses])
+        assert response.path.header.frame_id == "map"
+        assert response.path.header.stamp == Time(sec=1)
+        statuses.add(expected.status)
+    assert statuses == {PlanStatus.FOUND, PlanStatus.NO_PATH}
+
+
+def test_get_plan_and_the_topic_plan(planner: Driver) -> None:
+    planner.give_and_wait(map_message(world()))
+    planner.plans.clear()
+    asked = GetPlan.Request(start=at(START), goal=at(GOAL))
+    plan = planner.probe.call(GetPlan, names.GET_PLAN, asked).plan
+    expected = core().plan(START, GOAL)
+    assert [(p.x, p.y) for p in path_from_msg(plan)] == [(p.x, p.y) for p in expected.poses]
+    assert planner.plans.wait_for() == plan
+    # Latched: whoever comes later sees the plan as well.
+    late = planner.probe.subscribe(Path, names.PLAN, qos.LATCHED)
+    assert late.wait_for() == plan
+
+
+def test_get_plan_answers_an_empty_path_when_there_is_none(planner: Driver) -> None:
+    planner.give_and_wait(map_message(world()))
+    planner.plans.clear()
+    asked = GetPlan.Request(start=at(START), goal=at((50.0, 50.0)))
+    assert not planner.probe.call(GetPlan, names.GET_PLAN, asked).plan.poses
+    planner.process.wait_for_output("the goal (50.00, 50.00) m lies outside the map")
+    assert not planner.plans.messages
+
+
+def test_without_a_map_it_says_so(planner: Driver) -> None:
+    response = planner.plan()
+    assert response.status == PlanPath.Response.NO_MAP
+    assert "no planning map" in response.message
+    assert not response.path.poses
+    status = planner.diagnostics.wait_for().status[0]
+    assert status.name == names.PLANNER_NODE
+    assert "planning_map" in status.message
+    # A bad request is one also without a map.
+    assert planner.plan(cost=9).status == PlanPath.Response.BAD_REQUEST
+
+
+def turned(**quaternion: float) -> PoseStamped:
+    message = at(GOAL)
+    message.pose.orientation.w = 0.0
+    for name, value in quaternion.items():
+        setattr(message.pose.orientation, name, value)
+    return message
+
+
+BAD_REQUESTS: list[tuple[dict[str, Any], str]] = [
+    ({"start": at(START, "odom")}, "the start is in frame 'odom', expected 'map'"),
+    ({"goal": at(GOAL, "base_link")}, "the goal is in frame 'base_link', expected 'map'"),
+    ({"start": at((math.nan, 1.0))}, "the start has a position that is not finite"),
+    ({"goal": at((1.0, math.inf))}, "the goal has a position that is not finite"),
+    ({"goal": at((1e300, 1.0))}, "the goal lies beyond"),
+    ({"goal": turned(w=math.nan)}, "the goal has an orientation that is not finite"),
+    ({"goal": turned()}, "the goal has an orientation of norm 0"),
+    ({"goal": turned(x=1.0)}, "the goal is tilted"),
+    ({"alpha": -0.1}, "alpha must lie in [0, 1]"),
+    ({"alpha": 1.5}, "alpha must lie in [0, 1]"),
+    ({"alpha": math.nan}, "alpha must lie in [0, 1]"),
+    ({"adjacency": 6}, "adjacency must be 0, 4 or 8, got 6"),
+    ({"cost": 4}, "cost must be one of 0, 1, 2, 3, got 4"),
+    ({"tolerance": -0.1}, "tolerance must be finite and not negative"),
+    ({"tolerance": math.inf}, "tolerance must be finite and not negative"),
+]
+
+
+def test_bad_requests_are_refused_with_a_reason_and_counted(planner: Driver) -> None:
+    planner.give_and_wait(map_message(world()))
+    planner.plans.clear()
+    for fields, reason in BAD_REQUESTS:
+        response = planner.plan(**fields)
+        assert response.status == PlanPath.Response.BAD_REQUEST, fields
+        assert reason in response.message
+        assert not response.path.poses
+    outside = planner.plan(start=at((-1.05, 1.0)))
+    assert outside.status == PlanPath.Response.START_OUTSIDE
+    assert "the start (-1.05, 1.00) m lies outside the map" in outside.message
+    assert planner.plan(goal=at((1.0, 3.55))).status == PlanPath.Response.GOAL_OUTSIDE
+    assert not planner.plans.messages
+    counts = {
+        "rejected.plan_path.bad_request": str(len(BAD_REQUESTS)),
+        "plans.start_outside": "1",
+        "plans.goal_outside": "1",
+    }
+    planner.diagnostics.wait_for(lambda array: counts.items() <= values(array).items())
+    assert planner.plan().status == PlanPath.Response.FOUND
+
+
+def broken(**changes: Any) -> OccupancyGrid:
+    """A map that differs from a good one in the named places."""
+    message = map_message(world(), stamp=2)
+    for name, value in changes.items():
+        *path, last = name.split("__")
+        target = message
+        for step in path:
+            target = getattr(target, step)
+        setattr(target, last, value)
+    return message
+
+
+def with_value(value: int) -> OccupancyGrid:
+    values = world()
+    values[3, 5] = value
+    return map_message(values, stamp=2)
+
+
+BAD_MAPS: list[tuple[OccupancyGrid, str]] = [
+    (OccupancyGrid(), "wrong_frame"),
+    (broken(header__frame_id="odom"), "wrong_frame"),
+    (broken(info__width=0), "geometry"),
+    (broken(info__height=2**32 - 1), "geometry"),
+    (broken(info__width=41), "size"),
+    (broken(data=[]), "size"),
+    (broken(info__resolution=0.0), "geometry"),
+    (broken(info__resolution=-0.1), "geometry"),
+    (broken(info__resolution=math.nan), "geometry"),
+    (broken(info__origin__position__x=math.nan), "not_finite"),
+    (broken(info__origin__orientation__z=0.6, info__origin__orientation__w=0.8), "rotated"),
+    (broken(info__origin__orientation__w=0.0), "quaternion_norm"),
+    (with_value(-1), "unknown"),
+    (with_value(101), "value"),
+    (with_value(-7), "value"),
+]
+
+
+def test_bad_maps_are_refused_and_the_last_good_one_stays(planner: Driver) -> None:
+    planner.give_and_wait(map_message(world()))
+    for message, reason in BAD_MAPS:
+        planner.give(message)
+        response = planner.plan()
+        assert response.path.header.stamp == Time(sec=1), reason
+        assert response.g2 == core().plan(START, GOAL).g2
+    expected = Counter(f"rejected.planning_map.{reason}" for _, reason in BAD_MAPS)
+    planner.diagnostics.wait_for(
+        lambda array: (
+            expected.items()
+            <= {k: int(v) for k, v in values(array).items() if "rejected" in k}.items()
+        ),
+        what=f"the counts {expected}",
+    )
+    # A map of another size is taken.
+    planner.give_and_wait(map_message(np.zeros((50, 60), np.int8), stamp=3))
+    assert planner.plan(goal=at((4.5, 5.0))).status == PlanPath.Response.FOUND
+
+
+def test_a_parameter_changes_the_plans_at_once(planner: Driver) -> None:
+    planner.give_and_wait(map_message(world()))
+
+    def change(name: str, value: Any) -> Any:
+        changed = SetParameters.Request(
+            parameters=[Parameter(name, value=value).to_parameter_msg()]
+        )
+        service = f"{names.PLANNER_NODE}/set_parameters"
+        return planner.probe.call(SetParameters, service, changed).results[0]
+
+    assert change("cost", "g1").successful
+    assert change("robot_radius", 0.0).successful
+    expected = core(planner_parameters(overrides={"cost": "g1", "robot_radius": 0.0}))
+    response = planner.plan()
+    assert response.g1 == expected.plan(START, GOAL).g1
+    assert response.g1 != core().plan(START, GOAL, "g1").g1
+    refused = change("alpha_ladder", [0.9, 0.6])
+    assert not refused.successful
+    assert "rise" in refused.reason
+    assert planner.plan().g1 == response.g1
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_it_stops_cleanly_under_load(
+    planner: Driver, start_node: Callable[..., NodeProcess], number: signal.Signals
+) -> None:
+    planner.give_and_wait(map_message(world()))
+    client = planner.probe.node.create_client(PlanPath, names.PLAN_PATH)
+    wait_until(client.service_is_ready, "the service")
+    for _ in range(50):
+        client.call_async(request())
+    planner.process.assert_clean_stop(number)
+
+
+def test_an_unknown_parameter_ends_the_start(start_node: Callable[..., NodeProcess]) -> None:
+    process = start_node("planner", parameters={"alpha_leader": [0.5]})
+    assert process.wait() == 2
+    assert "did you mean 'alpha_ladder'" in process.output()
+    assert "Traceback" not in process.output()
