@@ -20,6 +20,8 @@ COLUMN_STEPS = (0, -1, 1, 0, -1, 1, -1, 1)
 # 5e-5, because ties between sums of whole numbers are exact.
 STRAIGHT = 70
 DIAGONAL = 99
+# Cost of a cell that has been expanded: nothing is cheaper, so that nothing replaces it.
+CLOSED = -np.inf
 
 
 @njit
@@ -66,7 +68,6 @@ def best_first(
     cost = np.full(height * width, np.inf)
     length = np.zeros(height * width, np.int64)
     arrival = np.full(height * width, -1, np.int8)
-    closed = np.zeros(height * width, np.bool_)
     goal_row = goal // width
     goal_column = goal % width
     # Distance of the cells (a, b) apart, a >= b: Manhattan, Chebyshev or octile.
@@ -79,11 +80,12 @@ def best_first(
     frontier = [(0.0, 0, 0, start)]
     while len(frontier) > 0:
         _, _, _, cell = heapq.heappop(frontier)
-        if closed[cell]:
+        if cost[cell] == CLOSED:
             continue  # a dearer entry of a cell that was queued again
         if cell == goal:
             break
-        closed[cell] = True
+        so_far = cost[cell]
+        cost[cell] = CLOSED
         expanded += 1
         row = cell // width
         column = cell % width
@@ -96,8 +98,6 @@ def best_first(
             if entry == np.inf:
                 continue
             neighbour = next_row * width + next_column
-            if closed[neighbour]:
-                continue
             if (
                 step >= 4
                 and not corner_cutting
@@ -106,11 +106,11 @@ def best_first(
                 continue
             if bottleneck:
                 # g3 of the longer path: arc costs as in the paper, section IV-A2.
-                reached = max(cost[cell], entry)
+                reached = max(so_far, entry)
             elif step >= 4:
-                reached = cost[cell] + diagonal * entry
+                reached = so_far + diagonal * entry
             else:
-                reached = cost[cell] + entry
+                reached = so_far + entry
             reached_length = length[cell] + (DIAGONAL if step >= 4 else STRAIGHT)
             if reached > cost[neighbour] or (
                 reached == cost[neighbour] and (bottleneck or reached_length >= length[neighbour])
@@ -145,7 +145,7 @@ def trace(arrival: NDArray[np.int8], width: int, start: int, goal: int) -> NDArr
     for k in range(count - 1, -1, -1):
         path[k, 0] = cell // width
         path[k, 1] = cell % width
-        step = arrival[cell]
-        if k > 0:
+        if cell != start:
+            step = arrival[cell]
             cell -= ROW_STEPS[step] * width + COLUMN_STEPS[step]
     return path
