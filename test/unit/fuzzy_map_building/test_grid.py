@@ -1,0 +1,140 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""World <-> cell arithmetic, against plain arithmetic and brute force."""
+
+import math
+
+import numpy as np
+import pytest
+
+from fuzzy_map_building.grid import MAX_CELLS, GridGeometry, Window
+
+GRID = GridGeometry(7, 5, 0.25, (-1.0, 2.0))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ((0, 5, 0.1), "width"),
+        ((5, -1, 0.1), "height"),
+        ((2.5, 5, 0.1), "width"),
+        ((True, 5, 0.1), "width"),
+        ((math.inf, 5, 0.1), "width"),
+        ((5, math.nan, 0.1), "height"),
+        ((MAX_CELLS, 2, 0.1), "exceeds the limit"),
+        ((5, 5, 0.0), "resolution"),
+        ((5, 5, -0.1), "resolution"),
+        ((5, 5, math.nan), "resolution"),
+        ((5, 5, 0.1, (0.0, math.inf)), "origin"),
+        ((5, 5, 0.1, (0.0,)), "origin"),
+        ((5, 5, 0.1, (0.0, 0.0, 0.0)), "origin"),
+    ],
+)
+def test_nonsense_is_refused_by_name(arguments: tuple, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        GridGeometry(*arguments)
+
+
+def test_whole_numbers_of_any_type_are_taken() -> None:
+    grid = GridGeometry(np.int64(7), 5.0, 1, (0, 0))
+    assert (grid.width, grid.height, grid.resolution, grid.origin) == (7, 5, 1.0, (0.0, 0.0))
+    assert all(type(v) is int for v in (grid.width, grid.height))
+
+
+@pytest.mark.parametrize(
+    ("size", "resolution", "cells"),
+    [(7.6, 0.1, 76), (6.3, 0.1, 63), (0.05, 0.1, 1), (1.01, 0.1, 11), (18.0, 0.1, 180)],
+)
+def test_from_size_covers_the_area_and_no_more(size: float, resolution: float, cells: int) -> None:
+    assert GridGeometry.from_size(size, size, resolution).shape == (cells, cells)
+
+
+@pytest.mark.parametrize("bad", [0.0, -1.0, math.nan, math.inf])
+def test_from_size_refuses_nonsense(bad: float) -> None:
+    for sizes in ((bad, 1.0, 0.1), (1.0, bad, 0.1), (1.0, 1.0, bad)):
+        with pytest.raises(ValueError, match="positive and finite"):
+            GridGeometry.from_size(*sizes)
+
+
+def test_corners_and_edges() -> None:
+    assert GRID.bounds == (-1.0, 2.0, 0.75, 3.25)
+    assert GRID.cell_of(-1.0, 2.0) == (0, 0)  # the lower left corner belongs to the grid
+    assert not GRID.contains(0.75, 2.5)  # the upper ones do not
+    assert not GRID.contains(0.0, 3.25)
+    assert GRID.cell_of(0.7499, 3.2499) == (4, 6)
+    assert not GRID.contains(math.nan, 2.5)
+    # Negative indices must never wrap to the far side.
+    for point in ((-1.0001, 2.5), (0.0, 1.9999)):
+        with pytest.raises(ValueError, match="outside the map area"):
+            GRID.cell_of(*point)
+
+
+def test_cells_of_agrees_with_cell_of() -> None:
+    rng = np.random.default_rng(0)
+    points = np.vstack(
+        [rng.uniform((-1.5, 1.5), (1.25, 3.75), (300, 2)), [[math.nan, 2.5], [math.inf, 2.5]]]
+    )
+    cells, inside = GRID.cells_of(points)
+    assert 0 < inside.sum() < 300
+    for point, cell, is_inside in zip(points, cells, inside, strict=True):
+        if is_inside:
+            assert tuple(cell) == GRID.cell_of(*point)
+        else:
+            assert tuple(cell) == (-1, -1)
+            assert not GRID.contains(*point)
+
+
+def test_centres() -> None:
+    x, y = GRID.centres()
+    assert x.shape == (7,)
+    assert y.shape == (5,)
+    for row in range(5):
+        for column in range(7):
+            assert GRID.centre_of(row, column) == pytest.approx((x[column], y[row]))
+    x, y = GRID.centres(Window(1, 3, 2, 6))
+    assert (x[0], y[0]) == pytest.approx(GRID.centre_of(1, 2))
+    assert (len(y), len(x)) == (2, 4)
+
+
+@pytest.mark.parametrize("centre", [(0.0, 2.5), (-1.2, 2.1), (0.75, 3.25), (5.0, 5.0)])
+@pytest.mark.parametrize("radius", [0.0, 0.1, 0.3, 10.0])
+def test_window_holds_every_cell_within_reach(centre: tuple[float, float], radius: float) -> None:
+    window = GRID.window(*centre, radius)
+    for row in range(5):
+        for column in range(7):
+            x, y = GRID.centre_of(row, column)
+            if math.hypot(x - centre[0], y - centre[1]) <= radius:
+                assert window.row0 <= row < window.row1
+                assert window.col0 <= column < window.col1
+    assert 0 <= window.row0 <= window.row1 <= 5
+    assert 0 <= window.col0 <= window.col1 <= 7
+    np.zeros(GRID.shape)[window.slices] += 1.0
+
+
+@pytest.mark.parametrize("bad", [(math.nan, 0.0, 1.0), (0.0, math.inf, 1.0), (0.0, 0.0, -1.0)])
+def test_a_window_needs_a_circle(bad: tuple[float, float, float]) -> None:
+    with pytest.raises(ValueError, match="circle"):
+        GRID.window(*bad)
+
+
+def test_union_of_windows() -> None:
+    a, b = Window(1, 3, 2, 4), Window(2, 6, 0, 3)
+    nothing = Window(4, 4, 0, 9)
+    assert a.union(b) == b.union(a) == Window(1, 6, 0, 4)
+    assert a.union(nothing) == a
+    assert nothing.union(a) == a
+    assert nothing.empty
+    assert not a.empty
+    assert a.shape == (2, 2)
+
+
+def test_boxes_hold_the_cells_they_touch_and_are_clipped() -> None:
+    low = np.array([[-0.9, 2.1], [-1e300, -1e300], [3.0, 2.0], [0.0, 2.5]])
+    high = np.array([[-0.4, 2.6], [1e300, 1e300], [4.0, 3.0], [0.0, 2.5]])
+    first, last = GRID.boxes(low, high)
+    np.testing.assert_array_equal(first[0], (0, 0))
+    np.testing.assert_array_equal(last[0], (3, 3))
+    np.testing.assert_array_equal(first[1], (0, 0))
+    np.testing.assert_array_equal(last[1], (5, 7))
+    assert (last[2] <= first[2]).any()
+    np.testing.assert_array_equal(last[3] - first[3], (1, 1))  # a point is in one cell
