@@ -299,6 +299,7 @@ def test_without_a_map_there_is_no_plan():
     assert "no planning map" in result.message
     assert planner.augmented_risk is None
     planner.parameters = PlannerParameters(cost="g1")
+    assert planner.parameters.cost == "g1"
     assert planner.plan((math.nan, 3.0), (1.0, 3.0)).status is PlanStatus.BAD_REQUEST
 
 

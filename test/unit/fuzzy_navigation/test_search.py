@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from fuzzy_map_building.jit import compiled
+from fuzzy_navigation import kernels
 from fuzzy_navigation.search import admissible_cells, find_path, warm_up
 
 # Prints what searches on a few maps return; run with and without compilation.
@@ -234,11 +235,9 @@ def test_admissible_cells_takes_its_shape_from_the_map():
 
 
 def test_nothing_is_compiled_after_warm_up():
-    if not compiled():
-        pytest.skip("numba is not installed")
-    from fuzzy_navigation import kernels
-
     warm_up()
+    if not compiled():
+        pytest.skip("numba is not installed or switched off")
     before = [len(kernels.best_first.signatures), len(kernels.trace.signatures)]
     risk = np.random.default_rng(0).random((10, 10)).astype(np.float32)
     for cost in ("g1", "g2", "g3"):
