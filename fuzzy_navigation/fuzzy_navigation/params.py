@@ -279,6 +279,14 @@ class TimeoutParameters:
     build_map: float = parameter(
         60.0, doc="wait for a perception to end", unit="s", minimum=0.1, maximum=3600.0
     )
+    server: float = parameter(
+        5.0,
+        doc="wait, in wall time, for the mapper or the planner to be there, and for the planner "
+        "to know the newest map",
+        unit="s",
+        minimum=0.1,
+        maximum=600.0,
+    )
     lost: float = parameter(
         10.0,
         doc="how long the robot stands and waits for lost poses or infrared readings before the "

@@ -1,0 +1,196 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""When the control may act: a pose, and what each infrared sensor saw there.
+
+Poses and ranges come one by one, in any order. A tick is due as soon as every sensor has
+delivered a reading of the pose's stamp or a newer one; at the latest when the next pose
+comes, for a sensor that fell silent must not silence the robot's control.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from fuzzy_map_building.pose_buffer import PoseBuffer
+from fuzzy_map_building.types import InfraredReading, Pose2
+
+__all__ = ["ControlTicks", "Tick", "Untimely"]
+
+#: A stamp farther ahead of the clock than this [s] is refused.
+FUTURE_TOLERANCE = 0.5
+#: A stamp farther behind the newest than this [s] means that the clock was set back.
+CLOCK_SLACK = 0.5
+#: Poses farther apart than this [s] are not joined by interpolation.
+MAX_POSE_GAP = 0.5
+#: Poses older than this [s] are forgotten.
+HORIZON = 2.0
+
+
+class Untimely(ValueError):
+    """A pose or a range whose stamp cannot be.
+
+    Attributes
+    ----------
+    reason : str
+        ``future``, ``duplicate`` or ``out_of_order``.
+    """
+
+    def __init__(self, reason: str, message: str) -> None:
+        super().__init__(message)
+        self.reason = reason
+
+
+@dataclass(frozen=True)
+class Tick:
+    """One step of the control.
+
+    Parameters
+    ----------
+    stamp : float
+        Stamp of the pose [s].
+    pose : Pose2
+        Where the robot was then.
+    readings : tuple of InfraredReading
+        What came from the sensors since the last tick, the newest of each.
+    complete : bool
+        Whether every sensor had delivered a reading of the pose's stamp or a newer one.
+    """
+
+    stamp: float
+    pose: Pose2
+    readings: tuple[InfraredReading, ...]
+    complete: bool
+
+
+class ControlTicks:
+    """Joins poses and infrared ranges to ticks.
+
+    Parameters
+    ----------
+    bearings : sequence of float
+        Direction of each sensor from the robot's heading [rad].
+
+    Examples
+    --------
+    >>> ticks = ControlTicks([0.0])
+    >>> ticks.on_pose(5.0, 5.0, Pose2(1.0, 2.0, 0.0)) is None
+    True
+    >>> ticks.on_range(5.0, 0, 5.0, 0.4).stamp
+    5.0
+    """
+
+    def __init__(self, bearings: Sequence[float]) -> None:
+        self._bearings = tuple(bearings)
+        self._poses = PoseBuffer(MAX_POSE_GAP, HORIZON)
+        self._pending: tuple[float, Pose2] | None = None
+        # Newest (stamp, range) of each sensor, and those that no tick has brought yet.
+        self._newest: dict[int, tuple[float, float]] = {}
+        self._unused: set[int] = set()
+
+    def on_pose(self, now: float, stamp: float, pose: Pose2) -> Tick | None:
+        """Take a pose and return the tick that is due, if one is.
+
+        Parameters
+        ----------
+        now : float
+            Time of the clock [s]; infinite when it is not known yet.
+        stamp : float
+            When the robot was there [s].
+        pose : Pose2
+            Where it was.
+
+        Raises
+        ------
+        Untimely
+            If the stamp lies in the future, or is not after the pose before. A stamp far
+            behind it is taken for a clock that was set back: everything older is forgotten.
+        """
+        _check_future(now, stamp, "pose")
+        newest = self._poses.newest
+        if newest is not None and stamp < newest - CLOCK_SLACK:
+            self._forget()
+        elif newest is not None and stamp <= newest:
+            raise _late(stamp, newest, "pose")
+        self._poses.add(stamp, pose)
+        waiting, self._pending = self._pending, (stamp, pose)
+        # A sensor that has not reached the pose before has not reached this one either.
+        return self._due() if waiting is None else self._release(*waiting, complete=False)
+
+    def on_range(self, now: float, sensor: int, stamp: float, distance: float) -> Tick | None:
+        """Take a sensor's range and return the tick that is due, if one is.
+
+        Parameters
+        ----------
+        now : float
+            Time of the clock [s]; infinite when it is not known yet.
+        sensor : int
+            Index of the sensor in the ring.
+        stamp : float
+            When it measured [s].
+        distance : float
+            Range [m], REP 117.
+
+        Raises
+        ------
+        Untimely
+            If the stamp lies in the future, or is not after the sensor's last.
+        ValueError
+            If the ring has no such sensor.
+        """
+        if not 0 <= sensor < len(self._bearings):
+            raise ValueError(
+                f"the ring has infrared sensors 0 to {len(self._bearings) - 1}, got {sensor}"
+            )
+        _check_future(now, stamp, "infrared range")
+        if sensor in self._newest:
+            newest, _ = self._newest[sensor]
+            if newest - CLOCK_SLACK <= stamp <= newest:
+                raise _late(stamp, newest, "infrared range")
+        self._newest[sensor] = (stamp, distance)
+        self._unused.add(sensor)
+        return self._due()
+
+    def _due(self) -> Tick | None:
+        if self._pending is None or len(self._newest) < len(self._bearings):
+            return None
+        stamp, pose = self._pending
+        if any(measured < stamp for measured, _ in self._newest.values()):
+            return None
+        self._pending = None
+        return self._release(stamp, pose, complete=True)
+
+    def _release(self, stamp: float, pose: Pose2, complete: bool) -> Tick:
+        readings = []
+        for sensor in sorted(self._unused):
+            measured, distance = self._newest[sensor]
+            place = self._poses.at(measured)
+            if place is None and measured > stamp:
+                place = pose  # measured since: the robot has hardly moved
+            if place is not None:
+                readings.append(
+                    InfraredReading(place, self._bearings[sensor], distance, measured, sensor)
+                )
+        self._unused.clear()
+        return Tick(stamp, pose, tuple(readings), complete)
+
+    def _forget(self) -> None:
+        self._poses.clear()
+        self._pending = None
+        self._newest.clear()
+        self._unused.clear()
+
+
+def _check_future(now: float, stamp: float, what: str) -> None:
+    if stamp > now + FUTURE_TOLERANCE:
+        raise Untimely(
+            "future",
+            f"{what} is stamped {stamp:.3f} s, {stamp - now:.3f} s ahead of the clock: "
+            "synchronise the clocks",
+        )
+
+
+def _late(stamp: float, newest: float, what: str) -> Untimely:
+    if stamp == newest:
+        return Untimely("duplicate", f"{what} of {stamp:.3f} s came twice")
+    return Untimely("out_of_order", f"{what} of {stamp:.3f} s came after that of {newest:.3f} s")

@@ -1,0 +1,70 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""The time that a mission goes by: the stamps of the poses, and what passes between them.
+
+The control reckons in the stamps of its poses, so that neither the delay of a message nor
+that of a clock enters. When the poses stop, time has to go on, or nobody would notice:
+then the node's clock counts, and should that stand too, as simulated time does when the
+simulator dies, wall time.
+"""
+
+from __future__ import annotations
+
+__all__ = ["MissionTime"]
+
+#: A clock that has not moved for so long [s of wall time] stands.
+STANDSTILL = 1.0
+
+
+class MissionTime:
+    """Time [s] from the stamps of poses, continued by a clock, continued by wall time.
+
+    Examples
+    --------
+    >>> time = MissionTime()
+    >>> time.at_pose(100.0, clock=100.1, wall=7.0)
+    100.0
+    >>> time.now(clock=100.2, wall=7.1)
+    100.1
+    """
+
+    def __init__(self) -> None:
+        self._base: float | None = None
+        self._passed = 0.0
+        self._posed = False
+        self._clock = 0.0
+        self._wall = 0.0
+        self._moved = 0.0
+
+    def at_pose(self, stamp: float, clock: float, wall: float) -> float:
+        """Return the time of a pose: its stamp.
+
+        Parameters
+        ----------
+        stamp : float
+            Of the pose [s].
+        clock, wall : float
+            What the node's clock and the wall clock show now [s].
+        """
+        self.now(clock, wall)
+        self._base, self._passed, self._posed = stamp, 0.0, True
+        return stamp
+
+    def now(self, clock: float, wall: float) -> float:
+        """Return the time now [s], for clocks as in `at_pose`.
+
+        Before the first pose wall time passes: simulated time may begin anywhere.
+        """
+        if self._base is None:
+            self._base, self._clock, self._wall, self._moved = clock, clock, wall, wall
+        if clock != self._clock:
+            self._moved = wall
+        if not self._posed:
+            self._passed += wall - self._wall
+        elif clock != self._clock:
+            self._passed += max(clock - self._clock, 0.0)  # 0: it was set back
+        else:
+            self._passed += max(wall - max(self._wall, self._moved + STANDSTILL), 0.0)
+        self._clock, self._wall = clock, wall
+        # Rounded: sums must not make a time a hair later than the stamp that it equals.
+        return round(self._base + self._passed, 9)
