@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 
 from builtin_interfaces.msg import Time
@@ -12,7 +13,13 @@ from rclpy.clock_type import ClockType
 from rclpy.node import Node
 from rclpy.timer import Timer
 
-__all__ = ["create_steady_timer", "now_seconds", "seconds_from_stamp", "stamp_from_seconds"]
+__all__ = [
+    "StallWatch",
+    "create_steady_timer",
+    "now_seconds",
+    "seconds_from_stamp",
+    "stamp_from_seconds",
+]
 
 _NANOSECONDS = 1_000_000_000
 
@@ -37,10 +44,38 @@ def stamp_from_seconds(seconds: float) -> Time:
     """
     if not 0.0 <= seconds < 2**31:
         raise ValueError(f"a stamp lies in [0, 2^31) s, got {seconds}")
-    whole, nanoseconds = divmod(round(seconds * _NANOSECONDS), _NANOSECONDS)
-    return Time(sec=whole, nanosec=nanoseconds)
+    whole = int(seconds)
+    # The product of the whole time would lose the nanoseconds of a wall clock.
+    carry, nanoseconds = divmod(round((seconds - whole) * _NANOSECONDS), _NANOSECONDS)
+    return Time(sec=whole + carry, nanosec=nanoseconds)
 
 
 def create_steady_timer(node: Node, period: float, callback: Callable[[], None]) -> Timer:
     """Return a timer with a period [s] of wall time, which runs also while /clock stands."""
     return node.create_timer(period, callback, clock=Clock(clock_type=ClockType.STEADY_TIME))
+
+
+class StallWatch:
+    """Notices that simulated time stands still, where waits of simulated time never end.
+
+    Parameters
+    ----------
+    limit : float
+        Wall time [s] that the node's time may stand.
+    """
+
+    def __init__(self, limit: float) -> None:
+        self.limit = limit
+        self.restart()
+
+    def restart(self) -> None:
+        """Begin anew, as if time had just advanced."""
+        self._last = -1.0
+        self._since = time.monotonic()
+
+    def stalled(self, now: float) -> bool:
+        """Return whether the node's time `now` [s] has stood for longer than the limit."""
+        if now != self._last:
+            self._last = now
+            self._since = time.monotonic()
+        return time.monotonic() - self._since > self.limit

@@ -286,7 +286,8 @@ def grid_from_msg(
     if len(message.data) != cells:
         raise Refused(
             "size",
-            f"{what} has {len(message.data)} values for {geometry.width} x {geometry.height} cells",
+            f"{what} has {len(message.data)} values for {geometry.width} x {geometry.height} "
+            "cells",
         )
     values = np.frombuffer(message.data, dtype=np.int8).reshape(geometry.shape)
     if values.min() < -1 or values.max() > 100:

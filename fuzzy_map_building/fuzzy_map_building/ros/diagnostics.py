@@ -62,13 +62,14 @@ class Diagnostics:
         self._new = 0
         self._last = ""
         self._next_log: dict[str, float] = {}
+        self._followed: dict[str, dict[str, int]] = {}
         self._publisher = node.create_publisher(DiagnosticArray, names.DIAGNOSTICS, qos.RELIABLE)
         self._timer = create_steady_timer(node, PERIOD, self.publish)
 
-    @property
-    def counts(self) -> Mapping[str, int]:
-        """Number of refusals by ``<source>.<reason>``."""
-        return dict(self._counts)
+    def total(self, source: str) -> int:
+        """Return how much of what came from `source` was refused so far."""
+        start = source + "."
+        return sum(n for key, n in self._counts.items() if key.startswith(start))
 
     def reject(self, source: str, reason: str, message: str, count: int = 1) -> None:
         """Count refused input and log it, at most one line in `LOG_PERIOD` of each kind.
@@ -93,7 +94,32 @@ class Diagnostics:
         now = time.monotonic()
         if now >= self._next_log.get(key, 0.0):
             self._next_log[key] = now + LOG_PERIOD
-            self._node.get_logger().warning(f"{self._last} ({self._counts[key]} so far)")
+            self._node.get_logger().warning(
+                f"refused on {self._last} ({self._counts[key]} so far)"
+            )
+
+    def follow(
+        self, source: str, totals: Mapping[str, int], explanations: Mapping[str, str] | None = None
+    ) -> None:
+        """Take over what has been added to a counter of the core since the last call.
+
+        Parameters
+        ----------
+        source : str
+            Topic that the input came by.
+        totals : mapping of str to int
+            Running totals by reason; one that shrinks is taken for a new counter's.
+        explanations : mapping of str to str, optional
+            The sentence for the log by reason.
+        """
+        seen = self._followed.setdefault(source, {})
+        if totals == seen:
+            return
+        for reason, total in totals.items():
+            before = seen.get(reason, 0)
+            text = (explanations or {}).get(reason, reason.replace("_", " "))
+            self.reject(source, reason, text, total - before if total >= before else total)
+        self._followed[source] = dict(totals)
 
     def publish(self) -> None:
         """Publish the status now."""

@@ -45,8 +45,6 @@ T = TypeVar("T")
 
 #: Name of the parameter that chooses the preset.
 PRESET: Final = "preset"
-#: Preset of the paper's navigation experiments.
-DEFAULT_PRESET: Final = "oriolo1998"
 #: Overrides that rclpy itself looks up, by prefix.
 _RCLPY_PREFIX: Final = "qos_overrides."
 _INTEGER_LIMIT: Final = 2**63 - 1
@@ -127,7 +125,7 @@ def declare_parameters(
     factory: Callable[[str, Mapping[str, Any]], T],
     presets: Iterable[str] = (),
     *,
-    default_preset: str = DEFAULT_PRESET,
+    default_preset: str = "",
     on_change: Callable[[T], None] | None = None,
 ) -> NodeParameters[T]:
     """Declare every parameter of a dataclass on a node.
@@ -141,10 +139,9 @@ def declare_parameters(
         `ParameterError`. For a dataclass without presets:
         ``lambda _, overrides: from_mapping(SimulatorParameters(), overrides)``.
     presets : iterable of str
-        Names of the presets. None: no parameter ``preset`` is declared, and `factory`
-        is called with `default_preset`.
+        Names of the presets. When there are none, no parameter ``preset`` is declared.
     default_preset : str
-        The preset used when none is given.
+        The preset used when none is chosen; empty: the first of `presets`.
     on_change : callable, optional
         Called with the new dataclass after a change at run time was accepted. To refuse a
         change, declare the parameter ``read_only`` or check it in the dataclass.
@@ -166,7 +163,9 @@ def declare_parameters(
         if not node.has_parameter(name) and not name.startswith(_RCLPY_PREFIX)
     }
     names = tuple(presets)
-    preset = given.pop(PRESET, default_preset) if names else default_preset
+    preset = default_preset or (names[0] if names else "")
+    if names:
+        preset = given.pop(PRESET, preset)
     if names and preset not in names:
         raise ParameterError(f"unknown preset {preset!r}{suggest(str(preset), names)}")
     parameters = NodeParameters(factory(preset, given), on_change)

@@ -66,12 +66,12 @@ def stop_on_signals() -> Iterator[StopRequest]:
         ``requested`` becomes True with the first signal.
     """
     stop = StopRequest()
-    signals = (signal.SIGINT, signal.SIGTERM)
-    previous = [signal.signal(number, stop.raise_flag) for number in signals]
+    numbers = (signal.SIGINT, signal.SIGTERM)
+    previous = {number: signal.signal(number, stop.raise_flag) for number in numbers}
     try:
         yield stop
     finally:
-        for number, handler in zip(signals, previous):
+        for number, handler in previous.items():
             signal.signal(number, handler)
 
 

@@ -1,0 +1,56 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""The mapper's three grids: latched topics, and services for who wants one now."""
+
+from __future__ import annotations
+
+from nav_msgs.msg import OccupancyGrid
+from nav_msgs.srv import GetMap
+from rclpy.node import Node
+
+from fuzzy_map_building.mapper import FuzzyMapper
+from fuzzy_map_building.occupancy import belief_to_int8, risk_to_int8
+from fuzzy_map_building.ros import names, qos
+from fuzzy_map_building.ros.conversions import grid_to_msg
+
+__all__ = ["MapPublisher"]
+
+
+class MapPublisher:
+    """Publishes the motion map, the planning map and the occupancy of a mapper.
+
+    Parameters
+    ----------
+    node : Node
+        Whose topics and services they are.
+    mapper : FuzzyMapper
+        The map published at once, explored or not, so that nobody waits in vain.
+    """
+
+    def __init__(self, node: Node, mapper: FuzzyMapper) -> None:
+        self._node = node
+        self._motion = node.create_publisher(OccupancyGrid, names.MOTION_MAP, qos.LATCHED)
+        self._planning = node.create_publisher(OccupancyGrid, names.PLANNING_MAP, qos.LATCHED)
+        self._occupancy = node.create_publisher(OccupancyGrid, names.MAP, qos.LATCHED)
+        self.publish(mapper)
+        node.create_service(GetMap, names.GET_MOTION_MAP, self._get_motion_map)
+        node.create_service(GetMap, names.GET_PLANNING_MAP, self._get_planning_map)
+
+    def publish(self, mapper: FuzzyMapper) -> None:
+        """Publish all three grids, with one stamp."""
+        stamp = self._node.get_clock().now().to_msg()
+        geometry = mapper.geometry
+        self._motion_map = grid_to_msg(risk_to_int8(mapper.motion_risk), geometry, stamp)
+        self._planning_map = grid_to_msg(risk_to_int8(mapper.planning_risk), geometry, stamp)
+        occupancy = belief_to_int8(mapper.empty, mapper.occupied)
+        self._motion.publish(self._motion_map)
+        self._planning.publish(self._planning_map)
+        self._occupancy.publish(grid_to_msg(occupancy, geometry, stamp))
+
+    def _get_motion_map(self, _: GetMap.Request, response: GetMap.Response) -> GetMap.Response:
+        response.map = self._motion_map
+        return response
+
+    def _get_planning_map(self, _: GetMap.Request, response: GetMap.Response) -> GetMap.Response:
+        response.map = self._planning_map
+        return response

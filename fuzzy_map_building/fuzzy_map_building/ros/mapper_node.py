@@ -1,0 +1,271 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""The node ``fuzzy_mapper``: messages in, core calls, maps out. Wiring only.
+
+Every range waits in the `ReadingAssembler` until pose and turret angle bracket its
+stamp. The readings that come out belong to the perception that the action ``build_map``
+runs, or, in continuous mode, to a packet that is fused whenever it is full.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+from fuzzy_msgs.srv import MapFile
+from geometry_msgs.msg import PoseStamped
+from rclpy.clock import JumpThreshold, TimeJump
+from rclpy.duration import Duration
+from rclpy.node import Node
+from sensor_msgs.msg import JointState, Range
+from std_msgs.msg import Float64
+from std_srvs.srv import Trigger
+
+from fuzzy_map_building.map_io import load_map, save_map
+from fuzzy_map_building.mapper import FuzzyMapper
+from fuzzy_map_building.packet import ReadingAssembler
+from fuzzy_map_building.params import (
+    DEFAULT_PRESET,
+    PRESETS,
+    MapperParameters,
+    mapper_parameters,
+)
+from fuzzy_map_building.perception import PerceptionSequence
+from fuzzy_map_building.ros import conversions, names, qos
+from fuzzy_map_building.ros.build_map_server import BuildMapServer, FusedPacket
+from fuzzy_map_building.ros.clock import create_steady_timer, now_seconds
+from fuzzy_map_building.ros.conversions import Refused
+from fuzzy_map_building.ros.diagnostics import Diagnostics
+from fuzzy_map_building.ros.map_publisher import MapPublisher
+from fuzzy_map_building.ros.parameters import declare_parameters
+from fuzzy_map_building.ros.run import spin_node
+from fuzzy_map_building.types import SonarReading
+
+__all__ = ["MapperNode", "main"]
+
+#: Wall time between two looks at what waits when no message comes [s].
+TICK: Final = 0.05
+#: A clock that goes back by more than this [s] was reset; less is jitter on the network.
+CLOCK_RESET: Final = 0.5
+
+#: What a word counted by the core means, for the log.
+EXPLANATIONS: Final[Mapping[str, str]] = {
+    "future": "stamped ahead of the clock by more than perception.future_tolerance; "
+    "are all clocks the same, and is use_sim_time set alike?",
+    "duplicate": "a stamp came twice from one source",
+    "out_of_order": "a stamp lies before the one that came last from the same source",
+    "no_pose": "no two poses bracketed the stamp within perception.pose_timeout",
+    "no_turret": "no two turret angles bracketed the stamp within perception.pose_timeout",
+    "overflow": "too many readings wait for poses",
+    "nan": "the sensor reported a faulty measurement (NaN)",
+    "out_of_range": "the range lies outside sonar.min_range and sonar.max_range",
+    "outside_map": "the reading was taken outside the map's area",
+    "lost_echo": "no echo, and sonar.lost_echo says to ignore such readings",
+}
+
+
+class MapperNode(Node):
+    """Perception, processing and fusion."""
+
+    def __init__(self) -> None:
+        super().__init__(names.MAPPER_NODE)
+        self._parameters = declare_parameters(
+            self,
+            mapper_parameters,
+            PRESETS,
+            default_preset=DEFAULT_PRESET,
+            on_change=self._use_parameters,
+        )
+        p = self._parameters.values
+        self._mapper = FuzzyMapper(p.area.geometry(), p)
+        self._assembler = ReadingAssembler(p)
+        self._packet: list[SonarReading] = []
+        self._maps = MapPublisher(self, self._mapper)
+        self._turret = self.create_publisher(Float64, names.TURRET_COMMAND, qos.RELIABLE)
+        self._diagnostics = Diagnostics(self, self._diagnostic_values, self._problem)
+        self._build_map = BuildMapServer(
+            self,
+            new_sequence=lambda: PerceptionSequence(self._parameters.values),
+            command_turret=lambda angle: self._turret.publish(Float64(data=angle)),
+            fuse=self._fuse,
+            rejected=lambda: self._diagnostics.total(names.SONAR),
+        )
+        self.create_subscription(PoseStamped, names.POSE, self._on_pose, qos.RELIABLE)
+        self.create_subscription(Range, names.SONAR, self._on_sonar, qos.RANGES)
+        if p.turret.joint:
+            self.create_subscription(
+                JointState, names.JOINT_STATES, self._on_joint_state, qos.JOINT_STATES
+            )
+        self.create_service(Trigger, names.RESET_MAP, self._on_reset)
+        self.create_service(MapFile, names.SAVE_MAP, self._on_save)
+        self.create_service(MapFile, names.LOAD_MAP, self._on_load)
+        create_steady_timer(self, TICK, self._advance)
+        self._jump = self.get_clock().create_jump_callback(
+            JumpThreshold(
+                min_forward=None,
+                min_backward=Duration(seconds=-CLOCK_RESET),
+                on_clock_change=False,
+            ),
+            post_callback=self._on_clock_reset,
+        )
+        self.get_logger().info(
+            f"mapping {p.area.size_x:g} x {p.area.size_y:g} m in cells of "
+            f"{p.area.resolution:g} m, {len(p.sonar.frame_ids)} sonars, mode {p.mode}"
+        )
+
+    def on_stop(self) -> None:
+        """End a perception before the node goes, so that its client learns of it."""
+        self._build_map.abort("the mapper was stopped")
+
+    # What comes in: converted, handed to the core, refused where it must be.
+
+    def _on_pose(self, message: PoseStamped) -> None:
+        try:
+            stamp, pose = conversions.stamped_pose_from_msg(message)
+        except Refused as refused:
+            self._diagnostics.reject(names.POSE, refused.reason, str(refused))
+            return
+        self._assembler.add_pose(stamp, pose, now_seconds(self))
+        self._advance()
+
+    def _on_joint_state(self, message: JointState) -> None:
+        try:
+            sample = conversions.joint_position(message, self._parameters.values.turret.joint)
+        except Refused as refused:
+            self._diagnostics.reject(names.JOINT_STATES, refused.reason, str(refused))
+            return
+        if sample is None:
+            return  # another joint's
+        if self._assembler.add_turret(*sample, now_seconds(self)) and self._build_map.sequence:
+            self._build_map.sequence.on_turret(*sample)
+        self._advance()
+
+    def _on_sonar(self, message: Range) -> None:
+        sonar = self._parameters.values.sonar
+        try:
+            sample = conversions.range_from_msg(
+                message, sonar.frame_ids, sonar.field_of_view, names.SONAR
+            )
+        except Refused as refused:
+            self._diagnostics.reject(names.SONAR, refused.reason, str(refused))
+            return
+        self._assembler.add_range(sample.sensor, sample.stamp, sample.range, now_seconds(self))
+        self._advance()
+
+    def _on_clock_reset(self, jump: TimeJump) -> None:
+        self._assembler.clear()
+        self._packet.clear()
+        self.get_logger().warning(
+            f"the clock went back by {-jump.delta.nanoseconds * 1e-9:.1f} s; "
+            "poses and readings that waited were dropped, the map stays (see reset_map)"
+        )
+        self._build_map.abort("the clock went back")
+
+    # What follows from it.
+
+    def _advance(self) -> None:
+        now = now_seconds(self)
+        for reading in self._assembler.release(now):
+            self._take(reading)
+        self._count_refusals()
+        self._build_map.advance(now)
+
+    def _take(self, reading: SonarReading) -> None:
+        if self._build_map.sequence is not None:
+            self._build_map.sequence.on_reading(reading)
+        elif self._parameters.values.mode == "continuous":
+            self._packet.append(reading)
+            if len(self._packet) >= self._parameters.values.packet_size:
+                packet, self._packet = self._packet, []
+                self._fuse(packet)
+
+    def _fuse(self, readings: Sequence[SonarReading]) -> FusedPacket:
+        report = self._mapper.update(readings)
+        for reason, count in report.rejected.items():
+            text = EXPLANATIONS.get(reason, reason)
+            self._diagnostics.reject(names.SONAR, reason, text, count)
+        if report.accepted:
+            self._maps.publish(self._mapper)
+            return FusedPacket(self._mapper.perceptions, report.accepted, "")
+        reasons = ", ".join(f"{n} {reason}" for reason, n in sorted(report.rejected.items()))
+        return FusedPacket(
+            self._mapper.perceptions,
+            0,
+            f"none of {len(readings)} readings gave evidence ({reasons})",
+        )
+
+    def _use_parameters(self, parameters: MapperParameters) -> None:
+        """Go on with other parameters and what is known; nothing that waits is kept."""
+        state = self._mapper.state()
+        self._mapper = FuzzyMapper(state.geometry, parameters)
+        self._mapper.restore(state)
+        self._assembler = ReadingAssembler(parameters)
+        self._packet.clear()
+        self._build_map.abort("a parameter was changed")
+        self._maps.publish(self._mapper)
+
+    # Services.
+
+    def _on_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        self._mapper.reset()
+        self._packet.clear()
+        self._maps.publish(self._mapper)
+        response.success = True
+        response.message = "the map is empty"
+        return response
+
+    def _on_save(self, request: MapFile.Request, response: MapFile.Response) -> MapFile.Response:
+        try:
+            save_map(request.path, self._mapper.state())
+        except (ValueError, OSError) as error:
+            return self._refuse(names.SAVE_MAP, response, error)
+        response.success = True
+        response.message = f"{self._mapper.perceptions} perceptions saved to {request.path}"
+        return response
+
+    def _on_load(self, request: MapFile.Request, response: MapFile.Response) -> MapFile.Response:
+        try:
+            self._mapper.restore(load_map(request.path))
+        except (ValueError, OSError) as error:
+            return self._refuse(names.LOAD_MAP, response, error)
+        self._packet.clear()
+        self._maps.publish(self._mapper)
+        response.success = True
+        response.message = f"{self._mapper.perceptions} perceptions loaded from {request.path}"
+        return response
+
+    def _refuse(
+        self, service: str, response: MapFile.Response, error: Exception
+    ) -> MapFile.Response:
+        self._diagnostics.reject(service, type(error).__name__, str(error))
+        response.success = False
+        response.message = str(error)
+        return response
+
+    # What it says of itself.
+
+    def _count_refusals(self) -> None:
+        for source, totals in (
+            (names.SONAR, self._assembler.rejected),
+            (names.POSE, self._assembler.poses.rejected),
+            (names.JOINT_STATES, self._assembler.turret.rejected),
+        ):
+            self._diagnostics.follow(source, totals, EXPLANATIONS)
+
+    def _diagnostic_values(self) -> dict[str, object]:
+        return {
+            "mode": self._parameters.values.mode,
+            "perceptions": self._mapper.perceptions,
+            "perceiving": self._build_map.sequence is not None,
+            "waiting_readings": self._assembler.waiting,
+            "last_failure": self._build_map.failure,
+        }
+
+    def _problem(self) -> str:
+        failure = self._build_map.failure
+        return f"the last perception failed: {failure}" if failure else ""
+
+
+def main() -> int:
+    """Run the node until SIGINT or SIGTERM."""
+    return spin_node(MapperNode)

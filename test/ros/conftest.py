@@ -1,0 +1,45 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""Fixtures of the tests with real node processes: whatever a test starts is ended after it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from ros.harness import NodeProcess, Probe
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Let pass what the parser says that rclpy imports with its first message type."""
+    for module in ("sre_parse", "sre_constants"):
+        config.addinivalue_line(
+            "filterwarnings", f"ignore:module '{module}' is deprecated:DeprecationWarning"
+        )
+
+
+@pytest.fixture
+def probe() -> Iterator[Probe]:
+    """A node of the test itself."""
+    probe = Probe()
+    yield probe
+    probe.close()
+
+
+@pytest.fixture
+def start_node(tmp_path: Path) -> Iterator[Callable[..., NodeProcess]]:
+    """Start an executable; every process is ended after the test."""
+    started: list[NodeProcess] = []
+
+    def start(executable: str, **keywords: Any) -> NodeProcess:
+        log = tmp_path / f"{executable}_{len(started)}.log"
+        process = NodeProcess(executable, log, **keywords)
+        started.append(process)
+        return process
+
+    yield start
+    for process in reversed(started):
+        process.close()

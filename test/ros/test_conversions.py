@@ -1,0 +1,259 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""Messages are checked at the rim: what is refused, under which word, and what comes through."""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from builtin_interfaces.msg import Time
+from geometry_msgs.msg import PoseStamped, Quaternion, Twist
+from nav_msgs.msg import OccupancyGrid
+from sensor_msgs.msg import JointState, Range
+
+from fuzzy_map_building.grid import GridGeometry
+from fuzzy_map_building.ros import conversions
+from fuzzy_map_building.ros.clock import seconds_from_stamp, stamp_from_seconds
+from fuzzy_map_building.ros.conversions import RangeSample, Refused
+from fuzzy_map_building.types import Pose2
+
+FRAMES = tuple(f"sonar_{i}" for i in range(16))
+NAN, INF = math.nan, math.inf
+
+
+def pose_message(x: float = 1.0, y: float = 2.0, theta: float = 0.5) -> PoseStamped:
+    return conversions.pose_to_msg(Pose2(x, y, theta), Time(sec=12, nanosec=500_000_000))
+
+
+def range_message(value: float = 1.0, frame: str = "sonar_3") -> Range:
+    message = Range(range=value, field_of_view=math.radians(25.0))
+    message.header.frame_id = frame
+    message.header.stamp = Time(sec=3, nanosec=250_000_000)
+    return message
+
+
+def refusal(call: Callable[[], object]) -> Refused:
+    with pytest.raises(Refused) as caught:
+        call()
+    return caught.value
+
+
+@pytest.mark.parametrize("theta", [-3.1, -math.pi / 2, 0.0, 1.0, 3.0])
+def test_pose_there_and_back(theta: float) -> None:
+    stamp, pose = conversions.stamped_pose_from_msg(pose_message(-4.0, 2.5, theta))
+    assert stamp == 12.5
+    assert (pose.x, pose.y) == (-4.0, 2.5)
+    assert pose.theta == pytest.approx(theta, abs=1e-12)
+
+
+def test_heading_of_a_tilted_quaternion_is_that_of_its_rotation_matrix() -> None:
+    # Rz(0.7) Ry(0.1) Rx(-0.05): yaw is 0.7 by construction, whatever the tilt.
+    def product(a: Quaternion, b: Quaternion) -> Quaternion:
+        return Quaternion(
+            w=a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z,
+            x=a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
+            y=a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
+            z=a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w,
+        )
+
+    def about(axis: str, angle: float) -> Quaternion:
+        return Quaternion(w=math.cos(angle / 2), **{axis: math.sin(angle / 2)})
+
+    message = pose_message()
+    message.pose.orientation = product(
+        about("z", 0.7), product(about("y", 0.1), about("x", -0.05))
+    )
+    assert conversions.pose_from_msg(message.pose).theta == pytest.approx(0.7, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("reason", "spoil"),
+    [
+        ("not_finite", lambda m: setattr(m.pose.position, "x", NAN)),
+        ("not_finite", lambda m: setattr(m.pose.position, "y", INF)),
+        ("not_finite", lambda m: setattr(m.pose.position, "z", -INF)),
+        ("not_finite", lambda m: setattr(m.pose.orientation, "w", NAN)),
+        ("too_far", lambda m: setattr(m.pose.position, "x", 1e300)),
+        ("quaternion_norm", lambda m: setattr(m.pose.orientation, "w", 2.0)),
+        ("quaternion_norm", lambda m: setattr(m.pose, "orientation", Quaternion(w=0.0))),
+        ("tilted", lambda m: setattr(m.pose, "orientation", Quaternion(x=1.0, w=0.0))),
+        ("wrong_frame", lambda m: setattr(m.header, "frame_id", "odom")),
+        ("wrong_frame", lambda m: setattr(m.header, "frame_id", "")),
+        ("no_stamp", lambda m: setattr(m.header, "stamp", Time())),
+        ("negative_stamp", lambda m: setattr(m.header, "stamp", Time(sec=-1))),
+    ],
+)
+def test_poses_that_are_refused(reason: str, spoil: Callable[[PoseStamped], None]) -> None:
+    message = pose_message()
+    spoil(message)
+    refused = refusal(lambda: conversions.stamped_pose_from_msg(message))
+    assert refused.reason == reason
+    assert str(refused).startswith("pose ")
+
+
+def test_a_goal_needs_neither_stamp_nor_orientation() -> None:
+    message = pose_message()
+    message.header.stamp = Time()
+    message.pose.orientation = Quaternion(w=0.0)
+    assert conversions.goal_from_msg(message) == Pose2(1.0, 2.0, 0.0)
+    message.header.frame_id = "odom"
+    assert refusal(lambda: conversions.goal_from_msg(message)).reason == "wrong_frame"
+    message.header.frame_id = "map"
+    message.pose.position.y = NAN
+    assert refusal(lambda: conversions.goal_from_msg(message)).reason == "not_finite"
+
+
+@pytest.mark.parametrize("value", [0.12, 0.1, 1.0, 6.5, 3.3333333, INF, -INF, -2.0, 0.0])
+def test_range_means_the_decimal_that_was_sent(value: float) -> None:
+    # The field is a float32: 0.12 arrives as 0.11999999731779099, below a limit of 0.12.
+    message = range_message(struct.unpack("f", struct.pack("f", value))[0])
+    sample = conversions.range_from_msg(message, FRAMES, math.radians(25.0))
+    assert sample == RangeSample(3, 3.25, value)
+
+
+def test_a_range_that_is_not_a_number_comes_through_for_the_sensor_model_to_count() -> None:
+    sample = conversions.range_from_msg(range_message(NAN), FRAMES, math.radians(25.0))
+    assert math.isnan(sample.range)
+
+
+@pytest.mark.parametrize(
+    ("reason", "spoil"),
+    [
+        ("unknown_frame", lambda m: setattr(m.header, "frame_id", "sonar_16")),
+        ("unknown_frame", lambda m: setattr(m.header, "frame_id", "infrared_3")),
+        ("unknown_frame", lambda m: setattr(m.header, "frame_id", "")),
+        ("no_stamp", lambda m: setattr(m.header, "stamp", Time())),
+        ("negative_stamp", lambda m: setattr(m.header, "stamp", Time(sec=-5))),
+        ("field_of_view", lambda m: setattr(m, "field_of_view", math.radians(12.5))),
+        ("field_of_view", lambda m: setattr(m, "field_of_view", NAN)),
+        ("field_of_view", lambda m: setattr(m, "field_of_view", 0.0)),
+    ],
+)
+def test_ranges_that_are_refused(reason: str, spoil: Callable[[Range], None]) -> None:
+    message = range_message()
+    spoil(message)
+    refused = refusal(
+        lambda: conversions.range_from_msg(message, FRAMES, math.radians(25.0), "sonar")
+    )
+    assert refused.reason == reason
+    assert str(refused).startswith("sonar")
+
+
+def test_joint_position() -> None:
+    message = JointState(name=["wheel", "turret_joint"], position=[9.0, 0.25])
+    message.header.stamp = Time(sec=2)
+    assert conversions.joint_position(message, "turret_joint") == (2.0, 0.25)
+    assert conversions.joint_position(message, "arm") is None
+    message.position = [9.0]
+    refused = refusal(lambda: conversions.joint_position(message, "turret_joint"))
+    assert refused.reason == "no_position"
+    message.position = [9.0, NAN]
+    refused = refusal(lambda: conversions.joint_position(message, "turret_joint"))
+    assert refused.reason == "not_finite"
+    message.position = [9.0, 0.0]
+    message.header.stamp = Time()
+    refused = refusal(lambda: conversions.joint_position(message, "turret_joint"))
+    assert refused.reason == "no_stamp"
+
+
+def grid_message() -> tuple[GridGeometry, np.ndarray, OccupancyGrid]:
+    geometry = GridGeometry(4, 3, 0.1, (-1.0, 2.0))
+    values = np.array([[0, 1, 2, 3], [50, 51, 52, 53], [97, 98, 99, 100]], dtype=np.int8)
+    return geometry, values, conversions.grid_to_msg(values, geometry, Time(sec=1))
+
+
+def test_a_map_is_row_major_with_x_fastest_from_its_lower_left_corner() -> None:
+    geometry, values, message = grid_message()
+    assert (message.info.width, message.info.height) == (4, 3)
+    assert (message.info.origin.position.x, message.info.origin.position.y) == (-1.0, 2.0)
+    # Cell (row 1, column 2) is the seventh value.
+    assert message.data[1 * 4 + 2] == 52
+    back, read = conversions.grid_from_msg(message)
+    assert back == geometry  # the resolution, too: 0.1 and not the nearest float32
+    np.testing.assert_array_equal(read, values)
+
+
+def test_a_map_in_columns_is_sent_row_by_row() -> None:
+    geometry, values, message = grid_message()
+    fortran = np.asfortranarray(values)
+    assert conversions.grid_to_msg(fortran, geometry, Time(sec=1)).data == message.data
+
+
+def test_risk_is_a_hundredth_of_the_value() -> None:
+    _, values, message = grid_message()
+    _, risk = conversions.risk_from_msg(message)
+    assert risk[1, 2] == 0.52
+    np.testing.assert_array_equal(np.round(100 * risk), values)
+
+
+@pytest.mark.parametrize(
+    ("reason", "spoil"),
+    [
+        ("wrong_frame", lambda m: setattr(m.header, "frame_id", "odom")),
+        ("rotated", lambda m: setattr(m.info.origin, "orientation", Quaternion(z=0.6, w=0.8))),
+        ("quaternion_norm", lambda m: setattr(m.info.origin, "orientation", Quaternion(w=0.0))),
+        ("not_finite", lambda m: setattr(m.info.origin.position, "x", NAN)),
+        ("geometry", lambda m: setattr(m.info, "resolution", 0.0)),
+        ("geometry", lambda m: setattr(m.info, "resolution", NAN)),
+        ("geometry", lambda m: setattr(m.info, "width", 0)),
+        ("geometry", lambda m: setattr(m.info, "width", 2**32 - 1)),
+        ("size", lambda m: setattr(m.info, "height", 4)),
+        ("size", lambda m: m.data.pop()),
+        ("value", lambda m: m.data.__setitem__(3, 101)),
+        ("value", lambda m: m.data.__setitem__(3, -2)),
+        ("unknown", lambda m: m.data.__setitem__(3, -1)),
+    ],
+)
+def test_risk_maps_that_are_refused(reason: str, spoil: Callable[[OccupancyGrid], None]) -> None:
+    *_, message = grid_message()
+    spoil(message)
+    assert refusal(lambda: conversions.risk_from_msg(message)).reason == reason
+
+
+def test_a_map_of_another_shape_is_a_fault_of_the_program() -> None:
+    geometry, values, _ = grid_message()
+    with pytest.raises(ValueError, match=r"shape \(3, 4\) takes int8"):
+        conversions.grid_to_msg(values[:2], geometry, Time(sec=1))
+    with pytest.raises(ValueError, match="float64"):
+        conversions.grid_to_msg(values.astype(float), geometry, Time(sec=1))
+
+
+def test_path_there_and_back() -> None:
+    poses = [Pose2(0.05, 0.05, 0.0), Pose2(0.15, 0.05, math.pi / 4), Pose2(0.25, 0.15, 0.0)]
+    message = conversions.path_to_msg(poses, Time(sec=7))
+    back = conversions.path_from_msg(message)
+    assert [(p.x, p.y) for p in back] == [(p.x, p.y) for p in poses]
+    assert [p.theta for p in back] == pytest.approx([p.theta for p in poses])
+    message.poses[1].pose.position.x = NAN
+    refused = refusal(lambda: conversions.path_from_msg(message))
+    assert refused.reason == "not_finite"
+    assert "pose 1" in str(refused)
+
+
+def test_twist_there_and_back() -> None:
+    message = conversions.twist_to_msg(0.3, -1.0)
+    assert conversions.twist_from_msg(message) == (0.3, -1.0)
+    message.linear.x = NAN
+    assert refusal(lambda: conversions.twist_from_msg(message)).reason == "not_finite"
+    sideways = Twist()
+    sideways.linear.y = 0.1
+    assert refusal(lambda: conversions.twist_from_msg(sideways)).reason == "not_planar"
+
+
+@pytest.mark.parametrize("seconds", [0.0, 0.05, 1.999999999, 1_700_000_000.25])
+def test_stamp_there_and_back(seconds: float) -> None:
+    assert seconds_from_stamp(stamp_from_seconds(seconds)) == pytest.approx(seconds, abs=1e-9)
+
+
+def test_stamp_carries_into_the_seconds() -> None:
+    assert stamp_from_seconds(0.9999999999) == Time(sec=1, nanosec=0)
+
+
+@pytest.mark.parametrize("seconds", [-1.0, NAN, INF, 2.0**31])
+def test_times_that_no_stamp_can_hold(seconds: float) -> None:
+    with pytest.raises(ValueError, match="a stamp lies in"):
+        stamp_from_seconds(seconds)
