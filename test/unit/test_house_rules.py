@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The rules that the sources themselves keep, held by the tools that `make lint` runs."""
 
+import os
 import re
 import subprocess
 import sys
@@ -50,7 +51,13 @@ def test_the_tools_find_nothing(tool: str, command: list[str]) -> None:
         pytest.skip("numpy for Python 3.10 is older and declares other types")
     executable = Path(sysconfig.get_path("scripts")) / command[0]
     done = subprocess.run(
-        [executable, *command[1:]], cwd=ROOT, capture_output=True, text=True, timeout=110
+        [executable, *command[1:]],
+        cwd=ROOT,
+        # The sources, whether or not they are installed.
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(str(ROOT / name) for name in PACKAGES)},
+        capture_output=True,
+        text=True,
+        timeout=110,
     )
     assert done.returncode == 0, done.stdout + done.stderr
 
