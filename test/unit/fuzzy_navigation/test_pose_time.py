@@ -5,18 +5,18 @@ from __future__ import annotations
 
 import pytest
 
-from fuzzy_navigation.mission_time import MissionTime
+from fuzzy_navigation.pose_time import PoseTime
 
 
 def test_a_pose_sets_the_time_to_its_stamp() -> None:
-    time = MissionTime()
+    time = PoseTime()
     assert time.at_pose(50.0, clock=50.2, wall=1.0) == 50.0
     assert time.at_pose(50.05, clock=50.31, wall=1.1) == 50.05
     assert time.now(clock=50.31, wall=1.1) == 50.05
 
 
 def test_between_poses_the_clock_counts_whatever_its_rate() -> None:
-    time = MissionTime()
+    time = PoseTime()
     time.at_pose(50.0, clock=80.0, wall=1.0)
     assert time.now(clock=80.4, wall=1.01) == pytest.approx(50.4)
     assert time.now(clock=84.0, wall=1.1) == pytest.approx(54.0)
@@ -27,7 +27,7 @@ def test_between_poses_the_clock_counts_whatever_its_rate() -> None:
 
 
 def test_wall_time_counts_while_the_clock_stands() -> None:
-    time = MissionTime()
+    time = PoseTime()
     time.at_pose(50.0, clock=50.0, wall=1.0)
     assert time.now(clock=50.0, wall=1.9) == 50.0
     assert time.now(clock=50.0, wall=2.5) == pytest.approx(50.5)
@@ -38,14 +38,14 @@ def test_wall_time_counts_while_the_clock_stands() -> None:
 
 
 def test_before_the_first_pose_a_leap_of_the_clock_is_no_time_that_passed() -> None:
-    time = MissionTime()
+    time = PoseTime()
     assert time.now(clock=0.0, wall=1.0) == 0.0
     assert time.now(clock=500.0, wall=1.5) == pytest.approx(0.5)
     assert time.at_pose(500.1, clock=500.1, wall=1.6) == 500.1
 
 
 def test_a_clock_set_back_does_not_take_time_back() -> None:
-    time = MissionTime()
+    time = PoseTime()
     time.at_pose(50.0, clock=50.0, wall=1.0)
     assert time.now(clock=0.1, wall=1.1) == 50.0
     assert time.now(clock=0.3, wall=1.3) == pytest.approx(50.2)

@@ -10,18 +10,18 @@ simulator dies, wall time.
 
 from __future__ import annotations
 
-__all__ = ["MissionTime"]
+__all__ = ["PoseTime"]
 
 #: A clock that has not moved for so long [s of wall time] stands.
 STANDSTILL = 1.0
 
 
-class MissionTime:
+class PoseTime:
     """Time [s] from the stamps of poses, continued by a clock, continued by wall time.
 
     Examples
     --------
-    >>> time = MissionTime()
+    >>> time = PoseTime()
     >>> time.at_pose(100.0, clock=100.1, wall=7.0)
     100.0
     >>> time.now(clock=100.2, wall=7.1)
