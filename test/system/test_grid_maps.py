@@ -2,17 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """The Moving AI grid benchmark: 160 problems with published optimal lengths.
 
-See ``test/data/grid_maps/SOURCE.txt`` for its origin, licence and rules.
+The maps are found through FUZZY_NAV_DATA; SOURCE.txt beside them has origin and rules.
 """
-
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from fuzzy_navigation.search import find_path
-
-DATA = Path(__file__).parents[1] / "data" / "grid_maps"
 
 
 def read_map(path):
@@ -32,10 +28,11 @@ def read_problems(path):
 
 
 @pytest.mark.parametrize("cost", ["g1", "g2"])
-def test_all_lengths_are_the_published_ones(cost):
-    risk = read_map(DATA / "arena.map")
+def test_all_lengths_are_the_published_ones(cost, fuzzy_nav_data):
+    folder = fuzzy_nav_data / "grid_maps"
+    risk = read_map(folder / "arena.map")
     assert risk.shape == (49, 49)
-    problems = read_problems(DATA / "arena.map.scen")
+    problems = read_problems(folder / "arena.map.scen")
     assert len(problems) == 160
     for start, goal, length in problems:
         result = find_path(
