@@ -18,17 +18,19 @@ __all__ = ["Follower"]
 Floats = NDArray[np.float64]
 
 #: Rates [1/s] at which errors are corrected: slow enough for commands that come a tick late.
-POSITION_RATE = 4.0
+POSITION_RATE = 5.0
 HEADING_RATE = 4.0
 LATERAL_RATE = 2.5
 #: Lateral errors are corrected over this distance at least [m].
 LATERAL_DISTANCE = 0.08
 #: Part of the angular acceleration that a planned change of curvature may take.
-CURVATURE_PART = 0.6
+CURVATURE_PART = 0.8
 #: Part of the linear acceleration that a planned braking takes; the rest is in reserve.
 BRAKING_PART = 0.8
 #: Heading error [rad] at which a turn on the spot ends.
 ALIGNED = math.radians(1.0)
+#: Part of the arrival distance at which the robot is told to stand: the rest is its own error.
+ARRIVAL_PART = 0.25
 #: Slowest useful speed [m/s]: below it a command moves nothing in a tick.
 CREEP = 1e-3
 
@@ -175,8 +177,9 @@ class Follower:
         i, along, lateral = self._locate(leg, pose)
         end = min(float(leg.s[-1]), stop_at)
         to_end = end - self._progress
-        if to_end <= 0.5 * self._p.arrival and self._v <= POSITION_RATE * self._p.arrival:
-            if self._progress >= leg.s[-1] - 0.5 * self._p.arrival:
+        close = ARRIVAL_PART * self._p.arrival
+        if to_end <= close and self._v <= POSITION_RATE * self._p.arrival:
+            if self._progress >= leg.s[-1] - close:
                 self._finish_leg()
             return self._command(0.0, 0.0, dt)
         error = wrap_angle(pose.theta - float(leg.heading[i]))
@@ -191,7 +194,11 @@ class Follower:
         v = self._approach(to_end, dt)
         v = min(v, float(self._speed[self._leg][i]), max_speed)
         v = self._limited(v, self._v, self._p.linear_acceleration, self._p.max_linear, dt)
-        return self._command(v, self._steer(leg, i, along, v, lateral, error), dt)
+        omega = self._steer(leg, i, along, v, lateral, error)
+        # What the robot cannot turn in time, it must not drive either.
+        missing = abs(omega - self._turning_rate(omega, dt))
+        v = float(v * max(CREEP, 1.0 - missing / self._p.max_angular))
+        return self._command(v, omega, dt)
 
     def _predicted(self, pose: Pose2, dt: float) -> Pose2:
         """Return where the robot is about half a tick after a command that is a tick late."""
@@ -265,8 +272,12 @@ class Follower:
     def _command(self, v: float, omega: float, dt: float) -> tuple[float, float]:
         p = self._p
         self._v = self._limited(v, self._v, p.linear_acceleration, p.max_linear, dt)
-        self._omega = self._limited(omega, self._omega, p.angular_acceleration, p.max_angular, dt)
+        self._omega = self._turning_rate(omega, dt)
         return self._v, self._omega
+
+    def _turning_rate(self, omega: float, dt: float) -> float:
+        p = self._p
+        return self._limited(omega, self._omega, p.angular_acceleration, p.max_angular, dt)
 
     @staticmethod
     def _limited(value: float, old: float, acceleration: float, limit: float, dt: float) -> float:

@@ -28,6 +28,8 @@ SPACING = 0.005
 #: robot's own error does.
 CHORD_PART = 0.55
 AVERAGE_PART = 1.2
+#: How much farther than elsewhere a chord may reach at the ends of a leg.
+END_REACH = 1.5
 
 
 @dataclass(frozen=True)
@@ -142,7 +144,9 @@ def _smooth_leg(
     count = max(3, math.ceil((knots[-1] - knots[0]) / SPACING) + 1)
     t = np.linspace(knots[0], knots[-1], count)
     xy = np.column_stack([np.interp(t, t_cut, cut[:, k]) for k in (0, 1)])
-    xy = _moving_average(xy, round(AVERAGE_PART * max_deviation / float(t[1] - t[0])))
+    half_width = round(AVERAGE_PART * max_deviation / float(t[1] - t[0]))
+    # Twice: the first average leaves a curvature that jumps, the second one that changes evenly.
+    xy = _moving_average(_moving_average(xy, half_width), half_width)
     d = np.diff(xy, axis=0)
     step = np.hypot(d[:, 0], d[:, 1])
     s = s0 + np.concatenate(([0.0], np.cumsum(step)))
@@ -158,7 +162,8 @@ def _cut_corners(
 ) -> tuple[Floats, Floats]:
     """Replace each inner corner by the chord between two points on its legs.
 
-    The chord leaves the corner at most `depth` [m] aside, and takes at most half of each leg.
+    The chord leaves the corner at most `depth` [m] aside, half as much more next to the ends, and
+    takes at most half of each leg between two corners.
     """
     if len(corners) == 2:
         return knots, corners
@@ -167,6 +172,11 @@ def _cut_corners(
     reach = depth / np.maximum(np.sin(0.5 * deflection), 1e-3)
     before = np.minimum(reach, 0.5 * lengths[:-1])
     after = np.minimum(reach, 0.5 * lengths[1:])
+    # At its ends a leg has no other corner and any direction: no short piece is left there.
+    if lengths[0] <= END_REACH * reach[0]:
+        before[0] = lengths[0]
+    if lengths[-1] <= END_REACH * reach[-1]:
+        after[-1] = lengths[-1]
     unit = np.diff(corners, axis=0) / lengths[:, None]
     inner = corners[1:-1]
     points = np.empty((2 * len(inner) + 2, 2))
