@@ -198,7 +198,8 @@ class GridGeometry:
             Which points lie in the grid.
         """
         xy = np.asarray(points, dtype=np.float64).reshape(-1, 2)
-        fraction = (xy - np.asarray(self.origin)) / self.resolution
+        with np.errstate(over="ignore"):  # infinitely far is outside as well
+            fraction = (xy - np.asarray(self.origin)) / self.resolution
         inside = ((fraction >= 0.0) & (fraction < (self.width, self.height))).all(axis=1)
         cells = np.full(xy.shape, -1, dtype=np.int64)
         cells[inside] = np.floor(fraction[inside])[:, ::-1]
@@ -264,8 +265,9 @@ class GridGeometry:
         """
         counts = np.array(self.shape)
         # Clipped before they become whole numbers: far corners overflow an integer.
-        first = np.floor((low - self.origin) / self.resolution)[:, ::-1]
-        last = np.floor((high - self.origin) / self.resolution)[:, ::-1] + 1.0
+        with np.errstate(over="ignore"):
+            first = np.floor((low - self.origin) / self.resolution)[:, ::-1]
+            last = np.floor((high - self.origin) / self.resolution)[:, ::-1] + 1.0
         return (
             np.clip(first, 0, counts).astype(np.int64),
             np.clip(last, 0, counts).astype(np.int64),
