@@ -1,0 +1,260 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""The node ``nomad_sim``: the simulated robot and its world.
+
+It gives the time (``/clock``), tells what the sensors measure, and obeys ``cmd_vel`` and
+``turret/command``. A tick is 0.05 s of simulated time. How the ticks follow each other in
+wall time is decided by `TickGate`: parameters ``rate``, ``lockstep``, ``lockstep_timeout``.
+
+Obstacles that come and go with the number of perceptions need that number. Everybody who
+listens to an action's status sees its goals succeed, so a completed ``build_map`` is
+counted here without the mapper knowing of it; maps taken in the mapper's continuous mode
+are no such goals and do not count.
+
+``reset`` begins anew with the same seed. Parameters of the robot, the sensors and the
+noise that were changed meanwhile take effect with it. The stamps do not go back; they jump
+ahead by `RESET_JUMP`, so that nobody interpolates between the poses before and after.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Mapping
+from typing import Final
+
+import numpy as np
+from action_msgs.msg import GoalStatus, GoalStatusArray
+from geometry_msgs.msg import Twist
+from nav_msgs.msg import OccupancyGrid
+from numpy.typing import NDArray
+from rclpy.node import Node
+from rclpy.qos import qos_profile_action_status_default
+from std_msgs.msg import Float64
+from std_srvs.srv import Trigger
+
+from fuzzy_map_building.ros import names, qos
+from fuzzy_map_building.ros.clock import create_steady_timer, seconds_from_stamp
+from fuzzy_map_building.ros.conversions import Refused, grid_to_msg, twist_from_msg
+from fuzzy_map_building.ros.diagnostics import Diagnostics
+from fuzzy_map_building.ros.parameters import declare_parameters
+from fuzzy_map_building.ros.run import spin_node
+from nomad_sim.ros.params import SimulationParameters, simulation_parameters
+from nomad_sim.ros.sensor_publishers import SensorPublishers, stamp_of
+from nomad_sim.ros.tick_gate import TickGate
+from nomad_sim.simulator import Simulator
+from nomad_sim.world_io import load_world
+
+__all__ = ["TICK", "SimNode", "main"]
+
+#: Simulated time of a tick [s].
+TICK: Final = 0.05
+#: Stamp of the simulator's time 0 [ns]: a stamp of 0 means that there is none.
+EPOCH: Final = 1_000_000_000
+#: How far stamps jump ahead at a reset [ns].
+RESET_JUMP: Final = 2_000_000_000
+#: A command beyond this multiple of the robot's limits is no speed that anybody meant.
+ABSURD: Final = 10.0
+#: Simulated time between two looks at whether moving obstacles have moved [ns].
+TRUTH_PERIOD: Final = 1_000_000_000
+#: Share of the wanted rate below which the simulator counts as too slow.
+SLOW: Final = 0.9
+#: Groups of parameters that the simulator takes over only when it begins anew.
+_MODEL: Final = ("sonar", "infrared", "robot", "turret", "odometry")
+
+
+class SimNode(Node):
+    """Runs the simulator in time and connects it."""
+
+    def __init__(self) -> None:
+        super().__init__(names.SIMULATOR_NODE)
+        self._settings = declare_parameters(
+            self, lambda _, given: simulation_parameters(given), on_change=self._use_parameters
+        )
+        values = self._settings.values
+        self._world = load_world(values.world)
+        self._simulator = Simulator(self._world, values, values.start.pose())
+        # The first step compiles loops, which may take seconds: not while others wait for it.
+        self._simulator.step(0.0, 0.0, TICK)
+        self._simulator.reset()
+        self._epoch = EPOCH
+        self._command = (0.0, 0.0)
+        self._commanded_at = 0
+        self._judged: set[bytes] = set()
+        self._truth: NDArray[np.int8] | None = None
+        self._truth_at = 0
+
+        self._diagnostics = Diagnostics(self, values=self._values, problem=self._problem)
+        self._sensors = SensorPublishers(self, values)
+        self._truth_publisher = self.create_publisher(
+            OccupancyGrid, names.GROUND_TRUTH_MAP, qos.LATCHED
+        )
+        self._publish_truth()
+        self.create_subscription(Twist, names.CMD_VEL, self._on_cmd_vel, qos.RELIABLE)
+        self.create_subscription(Float64, names.TURRET_COMMAND, self._on_turret, qos.RELIABLE)
+        self.create_subscription(
+            GoalStatusArray,
+            f"{names.BUILD_MAP}/_action/status",
+            self._on_build_map_status,
+            qos_profile_action_status_default,
+        )
+        self.create_service(Trigger, names.RESET_SIMULATOR, self._on_reset)
+
+        now = time.monotonic()
+        self._achieved = 0.0
+        self._measured = (now, 0)
+        self._gate = TickGate(now, _period(values), values.lockstep, values.lockstep_timeout)
+        self._timer = create_steady_timer(self, TICK, self._advance)
+        self._arm()
+        self.get_logger().info(
+            f"world '{self._world.name}', seed {values.seed}, rate {values.rate:g}"
+            + (", in lockstep" if values.lockstep else "")
+        )
+
+    def _advance(self) -> None:
+        """Take the next tick if it is due."""
+        now = time.monotonic()
+        if self._gate.wait(now) == 0.0:
+            self._tick()
+            self._gate.ticked(now)
+        self._arm()
+
+    def _arm(self) -> None:
+        """Set the timer to when there is something to do."""
+        wait = self._gate.wait(time.monotonic())
+        self._timer.timer_period_ns = max(1, round(wait * 1e9))
+        self._timer.reset()
+
+    def _tick(self) -> None:
+        simulator = self._simulator
+        age = simulator.nanoseconds - self._commanded_at
+        if age >= self._settings.values.command_timeout * 1e9:
+            self._command = (0.0, 0.0)
+            self._gate.disengage()
+        simulator.step(*self._command, TICK)
+        self._sensors.publish(simulator, self._epoch)
+        if self._world.moving and simulator.nanoseconds - self._truth_at >= TRUTH_PERIOD:
+            self._publish_truth()
+
+    def _publish_truth(self) -> None:
+        """Publish which cells are occupied, if they are not the same as before."""
+        geometry = self._world.geometry(self._settings.values.ground_truth_resolution)
+        truth = self._simulator.ground_truth_grid(geometry).astype(np.int8) * np.int8(100)
+        self._truth_at = self._simulator.nanoseconds
+        if self._truth is not None and np.array_equal(truth, self._truth):
+            return
+        self._truth = truth
+        stamp = stamp_of(self._epoch + self._simulator.nanoseconds)
+        self._truth_publisher.publish(grid_to_msg(truth, geometry, stamp))
+
+    def _on_cmd_vel(self, message: Twist) -> None:
+        try:
+            self._command = self._possible(*twist_from_msg(message))
+        except Refused as refusal:
+            self._diagnostics.reject(names.CMD_VEL, refusal.reason, str(refusal))
+            return
+        self._commanded_at = self._simulator.nanoseconds
+        self._gate.commanded(time.monotonic())
+        self._advance()
+
+    def _possible(self, linear: float, angular: float) -> tuple[float, float]:
+        """Return a command that somebody may have meant; the drives cut it to their limits."""
+        robot = self._simulator.parameters.robot
+        if abs(linear) > ABSURD * robot.max_linear or abs(angular) > ABSURD * robot.max_angular:
+            raise Refused(
+                "absurd",
+                f"velocity command of {linear:g} m/s and {angular:g} rad/s exceeds the robot's "
+                f"limits of {robot.max_linear:g} m/s and {robot.max_angular:.3g} rad/s more than "
+                f"{ABSURD:g} times; are the units right?",
+            )
+        return linear, angular
+
+    def _on_turret(self, message: Float64) -> None:
+        try:
+            self._simulator.command_turret(message.data)
+        except ValueError as error:
+            self._diagnostics.reject(names.TURRET_COMMAND, "bad_angle", str(error))
+
+    def _on_build_map_status(self, message: GoalStatusArray) -> None:
+        """Count perceptions that succeeded; each is judged once, when it is first seen ended."""
+        listed = {bytes(s.goal_info.goal_id.uuid) for s in message.status_list}
+        self._judged &= listed
+        now = (self._epoch + self._simulator.nanoseconds) * 1e-9
+        for status in message.status_list:
+            goal = bytes(status.goal_info.goal_id.uuid)
+            if status.status < GoalStatus.STATUS_SUCCEEDED or goal in self._judged:
+                continue
+            self._judged.add(goal)
+            accepted = seconds_from_stamp(status.goal_info.stamp)
+            # Goals of another time belong to a simulation before this one.
+            ours = self._epoch * 1e-9 <= accepted <= now
+            if ours and status.status == GoalStatus.STATUS_SUCCEEDED:
+                self._simulator.perception_taken()
+                self._truth_at = -TRUTH_PERIOD
+
+    def _on_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        values = self._settings.values
+        stamp = self._epoch + self._simulator.nanoseconds + RESET_JUMP
+        self._simulator = Simulator(self._world, values, values.start.pose())
+        self._epoch = stamp
+        self._command = (0.0, 0.0)
+        self._commanded_at = 0
+        self._measured = (time.monotonic(), 0)
+        self._gate.disengage()
+        self._publish_truth()
+        response.success = True
+        response.message = f"at the start of world '{self._world.name}' with seed {values.seed}"
+        return response
+
+    def _use_parameters(self, values: SimulationParameters) -> None:
+        self._gate.configure(
+            time.monotonic(), _period(values), values.lockstep, values.lockstep_timeout
+        )
+        self._arm()
+        running = self._simulator.parameters
+        if any(getattr(values, group) != getattr(running, group) for group in _MODEL):
+            self.get_logger().info(
+                "parameters of the robot, its sensors and the noise take effect with the "
+                f"service '{names.RESET_SIMULATOR}'"
+            )
+
+    def _problem(self) -> str:
+        now, simulated = time.monotonic(), self._simulator.nanoseconds
+        began, before = self._measured
+        self._measured = (now, simulated)
+        self._achieved = 1e-9 * (simulated - before) / max(now - began, 1e-9)
+        wanted = self._settings.values.rate
+        # One tick more or less within the period is no delay.
+        if self._achieved + TICK / max(now - began, TICK) >= SLOW * wanted:
+            return ""
+        reason = "waits for commands" if self._gate.engaged else "the machine is too slow"
+        return f"runs at {self._achieved:.2f} times real time instead of {wanted:g}: {reason}"
+
+    def _values(self) -> Mapping[str, object]:
+        simulator = self._simulator
+        return {
+            "world": self._world.name,
+            "time": f"{1e-9 * (self._epoch + simulator.nanoseconds):.3f}",
+            "rate": f"{self._achieved:.3f}",
+            "rate_wanted": f"{self._settings.values.rate:g}",
+            "time_given_up": f"{self._gate.dropped:.3f}",
+            "lockstep": "engaged" if self._gate.engaged else "free",
+            "lockstep_timeouts": self._gate.timeouts,
+            "perceptions": simulator.perceptions,
+            "contacts": simulator.contacts,
+            "least_clearance": f"{simulator.least_clearance:.4f}",
+        }
+
+
+def _period(values: SimulationParameters) -> float:
+    """Return the wall time from tick to tick [s]."""
+    return TICK / values.rate if values.rate > 0.0 else 0.0
+
+
+def main() -> int:
+    """Run the node until SIGINT or SIGTERM."""
+    return spin_node(SimNode)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
