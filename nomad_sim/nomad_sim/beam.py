@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy_map_building.jit import njit
-from nomad_sim.ray_casting import nearest
+from nomad_sim.ray_casting import TOUCHING, nearest
 
 __all__ = ["NARROW", "cut", "first_surface", "foot", "push_image", "sees", "stack_of", "wrapped"]
 
@@ -54,9 +54,9 @@ def foot(x: float, y: float, s: FloatArray) -> tuple[float, float]:
 
 @njit
 def _behind(x: float, y: float, angle: float, mirror: int, segments: FloatArray) -> float:
-    """Return the way [m] from a mirror image to its mirror, 0 for the sonar itself."""
+    """Return the way [m] from a source on which it sees nothing yet: up to its mirror."""
     if mirror < 0:
-        return 0.0
+        return TOUCHING
     d, normal = foot(x, y, segments[mirror])
     return d / max(math.cos(angle - normal), 1e-12)
 
@@ -101,7 +101,7 @@ def sees(
     """Whether nothing but the mirror stands between the source of a beam and a point."""
     angle = math.atan2(py - y, px - x)
     distance = math.hypot(px - x, py - y)
-    if distance <= _behind(x, y, angle, mirror, segments) + _TOUCH and mirror >= 0:
+    if mirror >= 0 and distance <= _behind(x, y, angle, mirror, segments) + _TOUCH:
         return False
     t, _ = first_surface(x, y, angle, mirror, body, segments, circles)
     return t >= distance - _TOUCH

@@ -106,9 +106,11 @@ def echo_range(
             if last - first < NARROW:
                 continue
             middle = 0.5 * (first + last)
-            _, surface = first_surface(sx, sy, axis + middle, mirror, body, segments, circles)
+            t, surface = first_surface(sx, sy, axis + middle, mirror, body, segments, circles)
             if surface < 0:
                 continue
+            if t <= 0.0:
+                return 0.0  # the sonar touches the surface
             critical = critical_angles[surface]
             if surface >= n:
                 c = surface - n

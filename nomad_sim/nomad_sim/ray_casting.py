@@ -20,6 +20,7 @@ from fuzzy_map_building.jit import njit
 
 __all__ = [
     "NO_SURFACE",
+    "TOUCHING",
     "cast_rays",
     "crossings",
     "inside",
@@ -32,6 +33,8 @@ FloatArray = NDArray[np.float64]
 
 #: Number of the surface where a ray meets none.
 NO_SURFACE = -1
+#: A sensor that touches a surface, or is behind it by rounding, still sees it [m].
+TOUCHING = -1e-6
 
 # Share of a segment by which it counts as longer, so that no ray slips through a joint.
 _JOINT = 1e-12
@@ -73,7 +76,7 @@ def nearest(
         Its number.
     """
     best = math.inf
-    surface = -1
+    surface = NO_SURFACE
     for i in range(segments.shape[0]):
         if i == skip:
             continue
@@ -136,11 +139,12 @@ def cast_rays(
             starts[r, 1],
             directions[r, 0],
             directions[r, 1],
-            0.0,
-            -1,
+            TOUCHING,
+            NO_SURFACE,
             segments,
             circles,
         )
+        ranges[r] = max(ranges[r], 0.0)
     return ranges
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from fuzzy_map_building.types import Pose2
+from fuzzy_map_building.types import Pose2, wrap_angle
 from nomad_sim.params import RobotParameters
 
 __all__ = ["Velocity", "arc", "next_velocity", "turned"]
@@ -42,10 +42,13 @@ def arc(pose: Pose2, linear: float, angular: float, dt: float) -> Pose2:
     half = 0.5 * angular * dt
     # The chord of the arc: sin(half)/half of its length, along its mean direction.
     chord = linear * dt * (math.sin(half) / half if half != 0.0 else 1.0)
+    theta = pose.theta + angular * dt
+    if not -math.pi <= theta < math.pi:  # wrapping rounds: standing still must not turn
+        theta = wrap_angle(theta)
     return Pose2(
         pose.x + chord * math.cos(pose.theta + half),
         pose.y + chord * math.sin(pose.theta + half),
-        (pose.theta + 2.0 * half + math.pi) % (2.0 * math.pi) - math.pi,
+        theta,
     )
 
 

@@ -78,6 +78,8 @@ class Simulator:
                 f"overlap an obstacle, whose surface is at {free:.3f} m; choose another start"
             )
         self.reset()
+        # Loops compile at their first call, which takes seconds: no step has to wait for it.
+        self._sonars.exact(np.array([0]), self._start, 0.0, self._surfaces(0))
 
     def reset(self) -> None:
         """Begin again: the same start, time 0, the same random numbers."""

@@ -3,6 +3,7 @@
 """Echoes against geometry worked out by hand."""
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -21,7 +22,7 @@ def deg(angle):
 def wall(*points, critical=25.0, solid=False):
     """Return a line of walls through the points, closed where it is a solid polygon."""
     ring = [*points, points[0]] if solid else points
-    segments = np.array([[*a, *b] for a, b in zip(ring[:-1], ring[1:], strict=True)], dtype=float)
+    segments = np.array([[*a, *b] for a, b in pairwise(ring)], dtype=float)
     return Outline(segments, np.empty((0, 3)), deg(critical), True, solid)
 
 
