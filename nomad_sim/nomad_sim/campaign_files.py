@@ -1,0 +1,143 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""A campaign's results as files: JSON with everything, CSV with a line for each mission."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import platform
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, fields
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+from fuzzy_navigation.mission_types import LogEntry
+from nomad_sim.campaign_options import Batch
+from nomad_sim.campaign_table import Summary
+from nomad_sim.missions import MissionResult
+from nomad_sim.reference import MISSIONS
+
+__all__ = ["BatchResults", "campaign_document", "mission_document", "to_json", "write_campaign"]
+
+#: Layout of the documents; raised when a key changes its meaning.
+FORMAT = 1
+
+
+@dataclass(frozen=True)
+class BatchResults:
+    """A batch with what came of its missions.
+
+    Parameters
+    ----------
+    batch : Batch
+        What was to be run.
+    results : tuple of MissionResult
+        In the order of the seeds.
+    summary : Summary
+        What they amount to.
+    """
+
+    batch: Batch
+    results: tuple[MissionResult, ...]
+    summary: Summary
+
+
+def _versions() -> dict[str, str]:
+    versions = {"python": platform.python_version()}
+    for name in ("numpy", "numba"):
+        try:
+            versions[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            versions[name] = "none"
+    return versions
+
+
+def _finite(value: Any) -> Any:
+    """Replace what JSON has no number for by null."""
+    if isinstance(value, dict):
+        return {key: _finite(entry) for key, entry in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_finite(entry) for entry in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def to_json(document: dict[str, Any]) -> str:
+    """Return a document as JSON text; numbers that are not finite become null."""
+    return json.dumps(_finite(document), indent=2, allow_nan=False) + "\n"
+
+
+def _settings(batch: Batch) -> dict[str, Any]:
+    spec = batch.specs[0]
+    return {
+        "preset": spec.preset,
+        "start_spread": spec.start_spread,
+        "mapper": dict(spec.mapper),
+        "planner": dict(spec.planner),
+        "motion": dict(spec.motion),
+        "simulator": dict(spec.simulator),
+        "critical_angles": {n: m.critical_angle for n, m in spec.world.materials.items()},
+    }
+
+
+def campaign_document(done: Sequence[BatchResults]) -> dict[str, Any]:
+    """Return all results, with what is needed to run each mission again."""
+    return {
+        "format": FORMAT,
+        "versions": _versions(),
+        "batches": [
+            {
+                "name": d.batch.name,
+                "description": d.batch.description,
+                "method": (
+                    None
+                    if d.batch.method is None
+                    else {"reached": d.batch.method, "missions": MISSIONS}
+                ),
+                "settings": _settings(d.batch),
+                "summary": asdict(d.summary),
+                "missions": [
+                    asdict(r) | {"replay": d.batch.replay_command(r.seed)} for r in d.results
+                ],
+            }
+            for d in done
+        ],
+    }
+
+
+def mission_document(
+    batch: Batch, result: MissionResult, entries: Sequence[LogEntry]
+) -> dict[str, Any]:
+    """Return one mission with its perceptions."""
+    return {
+        "format": FORMAT,
+        "versions": _versions(),
+        "name": batch.name,
+        "settings": _settings(batch),
+        "mission": asdict(result) | {"replay": batch.replay_command(result.seed)},
+        "perceptions": [asdict(entry) | {"stop": entry.stop.name.lower()} for entry in entries],
+    }
+
+
+def write_campaign(folder: Path, done: Sequence[BatchResults]) -> list[Path]:
+    """Write campaign.json and missions.csv into a folder, which is made if missing.
+
+    Returns
+    -------
+    list of Path
+        The files.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    document, table = folder / "campaign.json", folder / "missions.csv"
+    document.write_text(to_json(campaign_document(done)), encoding="utf-8")
+    columns = ["name", *(field.name for field in fields(MissionResult)), "replay"]
+    with table.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, columns)
+        writer.writeheader()
+        for d in done:
+            for r in d.results:
+                replay = d.batch.replay_command(r.seed)
+                writer.writerow({"name": d.batch.name, **asdict(r), "replay": replay})
+    return [document, table]
