@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import bisect
 import math
+from abc import ABC, abstractmethod
 from typing import Generic, TypeVar
 
 from fuzzy_map_building.types import Pose2, wrap_angle
@@ -20,7 +21,7 @@ __all__ = ["AngleBuffer", "PoseBuffer", "StampedBuffer"]
 T = TypeVar("T")
 
 
-class StampedBuffer(Generic[T]):
+class StampedBuffer(ABC, Generic[T]):
     """Samples of a value that changes with time.
 
     Parameters
@@ -101,11 +102,13 @@ class StampedBuffer(Generic[T]):
         self.rejected[reason] = self.rejected.get(reason, 0) + 1
         return False
 
+    @abstractmethod
     def _finite(self, value: T) -> bool:
-        raise NotImplementedError
+        """Return whether a sample can be used."""
 
+    @abstractmethod
     def _between(self, start: T, end: T, fraction: float) -> T:
-        raise NotImplementedError
+        """Return the value at a fraction of the way from one sample to the next."""
 
 
 class PoseBuffer(StampedBuffer[Pose2]):

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Map files: exact, never half written, and whatever is damaged is refused in words."""
 
+import io
 import json
 import os
 import random
@@ -162,6 +163,29 @@ def test_a_wrong_header_is_refused(tmp_path: Path, header: object, message: str)
 )
 def test_wrong_arrays_are_refused(tmp_path: Path, arrays: dict, message: str) -> None:
     write(tmp_path / "a.map", HEADER, **arrays)
+    with pytest.raises(MapFileError, match=message):
+        load_map(tmp_path / "a.map")
+
+
+@pytest.mark.parametrize(
+    ("version", "cut", "message"),
+    [
+        ((2, 0), 0, "another version of the array format"),
+        ((1, 0), 8, "does not end where it should"),
+        ((1, 0), -8, "does not end where it should"),
+    ],
+)
+def test_arrays_of_another_length_are_refused(
+    tmp_path: Path, version: tuple, cut: int, message: str
+) -> None:
+    state = make_state()
+    with zipfile.ZipFile(tmp_path / "a.map", "w") as archive:
+        archive.writestr("map.json", json.dumps(HEADER))
+        for name in ("empty", "occupied", "count"):
+            content = io.BytesIO()
+            np.lib.format.write_array(content, getattr(state, name), version=version)
+            data = content.getvalue() + bytes(max(0, -cut))
+            archive.writestr(f"{name}.npy", data[: len(data) - max(0, cut)])
     with pytest.raises(MapFileError, match=message):
         load_map(tmp_path / "a.map")
 

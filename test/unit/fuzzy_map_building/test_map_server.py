@@ -13,7 +13,7 @@ from fuzzy_map_building.map_io import MapFileError
 from fuzzy_map_building.map_server import export_map_server, import_map_server
 
 GRID = GridGeometry(3, 2, 0.05, (-1.0, 2.5))
-OCCUPANCY = np.array([[0, 100, -1], [19, 65, 40]], dtype=np.int8)
+OCCUPANCY = np.array([[0, 100, -1], [65, 19, 40]], dtype=np.int8)
 
 GOOD = {
     "image": "a.pgm",
@@ -39,7 +39,7 @@ def write(folder: Path, grey: list[list[int]] | None = None, **changes: object) 
 def test_the_top_row_of_the_image_has_the_highest_y(tmp_path: Path) -> None:
     export_map_server(tmp_path / "m.yaml", OCCUPANCY, GRID)
     image = (tmp_path / "m.pgm").read_bytes()
-    assert image == b"P5\n3 2\n255\n" + bytes([254, 0, 205, 254, 0, 205])
+    assert image == b"P5\n3 2\n255\n" + bytes([0, 254, 205, 254, 0, 205])
     entries = yaml.safe_load((tmp_path / "m.yaml").read_text())
     assert entries == {**GOOD, "image": "m.pgm"}
 
@@ -49,7 +49,7 @@ def test_what_is_exported_comes_back(tmp_path: Path) -> None:
     occupancy, geometry = import_map_server(tmp_path / "m.yaml")
     assert geometry == GRID
     # 40 lies between the thresholds: map_server files know no degrees in this mode.
-    np.testing.assert_array_equal(occupancy, [[0, 100, -1], [0, 100, -1]])
+    np.testing.assert_array_equal(occupancy, [[0, 100, -1], [100, 0, -1]])
 
 
 def test_export_refuses_what_does_not_fit(tmp_path: Path) -> None:
@@ -130,7 +130,7 @@ def test_wrong_images_are_refused(tmp_path: Path, image: bytes, message: str) ->
 
 
 @pytest.mark.parametrize(
-    "text", ["", "- 1\n", "a: [", "&a [*a]", "[" * 3000, "x" * 70000, "? [a]\n: b\n", "\x00"]
+    "text", ["", "- 1\n", "a: [", "&a [*a]", "- " * 3000, "x" * 70000, "? [a]\n: b\n", "\x00"]
 )
 def test_wrong_yaml_is_refused(tmp_path: Path, text: str) -> None:
     (tmp_path / "a.yaml").write_text(text)

@@ -260,14 +260,18 @@ def test_a_state_is_checked(values: dict, message: str) -> None:
 
 def test_a_packet_costs_little_and_the_same_on_a_map_of_any_size() -> None:
     mappers = [FuzzyMapper(LAB), FuzzyMapper(GridGeometry(4000, 4000, 0.1))]
-    times: list[list[float]] = [[], []]
-    # In turn, so that whatever else the machine does meets both.
-    for seed in range(40):
-        readings = perception(Pose2(3.8, 3.1, 0.1 * seed), seed)
-        for mapper, taken in zip(mappers, times, strict=True):
-            start = time.perf_counter()
-            mapper.update(readings)
-            taken.append(time.perf_counter() - start)
-    small, large = (statistics.median(t[5:]) for t in times)
+    medians: list[list[float]] = [[], []]
+    for turn in range(8):
+        packets = [perception(Pose2(3.8, 3.1, 0.1 * seed), 8 * turn + seed) for seed in range(8)]
+        # In turn, so that whatever else the machine does meets both.
+        for mapper, taken in zip(mappers, medians, strict=True):
+            times = []
+            for readings in packets:
+                start = time.perf_counter()
+                mapper.update(readings)
+                times.append(time.perf_counter() - start)
+            taken.append(statistics.median(times))
+    # The quietest turn: a busy machine says nothing of the code.
+    small, large = (min(taken) for taken in medians)
     assert small < 5e-3
     assert large < 2.0 * small
