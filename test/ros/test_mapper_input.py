@@ -57,6 +57,7 @@ class Bench:
                 "evidence.k_empty": K_EMPTY,
             },
         )
+        self.mapper.wait_for_output("mapping")
         self.start = 0.0
         self._clock = probe.publisher(Clock, names.CLOCK, qos.CLOCK)
         self.talker = Talker(probe)

@@ -32,7 +32,7 @@ fuzzy_mapper:
     evidence:
       k_empty: 0.2
     sonar.max_range: 5
-    turret.angles: [0, 0.1]
+    turret.angles: [0, 1]
 """
 
 
@@ -87,6 +87,7 @@ def mapper(tmp_path_factory: pytest.TempPathFactory) -> Iterator[NodeProcess]:
         arguments=["--ros-args", "--params-file", str(folder / "mapper.yaml")],
         parameters={"evidence.k_occupied": 1},
     )
+    process.wait_for_output("mapping")
     yield process
     process.close()
 
@@ -103,7 +104,7 @@ def test_preset_file_and_command_line_each_override_what_is_before(remote: Remot
             "evidence.k_empty": 0.2,
             "evidence.k_occupied": 1.0,
             "sonar.max_range": 5.0,
-            "turret.angles": (0.0, 0.1),
+            "turret.angles": (0.0, 1.0),
         },
     )
     assert remote.get("preset") == "map_building"
@@ -111,7 +112,7 @@ def test_preset_file_and_command_line_each_override_what_is_before(remote: Remot
         assert remote.get(name) == flatten(expected)[name]
     # Whole numbers were given for both: they are doubles here.
     assert remote.get("sonar.max_range") == 5.0
-    assert list(remote.get("turret.angles")) == [0.0, 0.1]
+    assert list(remote.get("turret.angles")) == [0.0, 1.0]
     assert list(remote.get("sonar.frame_ids")) == [f"sonar_{i}" for i in range(16)]
 
 
@@ -144,8 +145,8 @@ def test_changes_while_the_node_runs(remote: Remote) -> None:
     assert remote.get("evidence.k_empty") == 0.35
     assert remote.set(evidence__k_empty=1) == []  # a whole number for a double
     assert remote.get("evidence.k_empty") == 1.0
-    assert remote.set(turret__angles=[0, 1]) == []
-    assert list(remote.get("turret.angles")) == [0.0, 1.0]
+    assert remote.set(turret__angles=[0, 2]) == []
+    assert list(remote.get("turret.angles")) == [0.0, 2.0]
     assert remote.set(fusion__aggregation="max", fusion__max_count=7) == []
 
 
@@ -225,6 +226,8 @@ def test_a_file_with_a_misspelt_name_is_refused(
         (["--world", "lab"], "unknown argument '--world'"),
         (["--ros-args", "--params-file", "/nowhere.yaml"], "the command line was refused"),
         (["--ros-args", "-p", "preset"], "the command line was refused"),
+        # ROS itself takes no list of whole and other numbers.
+        (["--ros-args", "-p", "turret.angles:=[0, 0.1]"], "the command line was refused"),
     ],
 )
 def test_a_command_line_that_is_refused(

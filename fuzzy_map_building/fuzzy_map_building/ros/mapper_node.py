@@ -69,14 +69,14 @@ class MapperNode(Node):
 
     def __init__(self) -> None:
         super().__init__(names.MAPPER_NODE)
-        self._parameters = declare_parameters(
+        self._settings = declare_parameters(
             self,
             mapper_parameters,
             PRESETS,
             default_preset=DEFAULT_PRESET,
             on_change=self._use_parameters,
         )
-        p = self._parameters.values
+        p = self._settings.values
         self._mapper = FuzzyMapper(p.area.geometry(), p)
         self._assembler = ReadingAssembler(p)
         self._packet: list[SonarReading] = []
@@ -85,7 +85,7 @@ class MapperNode(Node):
         self._diagnostics = Diagnostics(self, self._diagnostic_values, self._problem)
         self._build_map = BuildMapServer(
             self,
-            new_sequence=lambda: PerceptionSequence(self._parameters.values),
+            new_sequence=lambda: PerceptionSequence(self._settings.values),
             command_turret=lambda angle: self._turret.publish(Float64(data=angle)),
             fuse=self._fuse,
             rejected=lambda: self._diagnostics.total(names.SONAR),
@@ -130,7 +130,7 @@ class MapperNode(Node):
 
     def _on_joint_state(self, message: JointState) -> None:
         try:
-            sample = conversions.joint_position(message, self._parameters.values.turret.joint)
+            sample = conversions.joint_position(message, self._settings.values.turret.joint)
         except Refused as refused:
             self._diagnostics.reject(names.JOINT_STATES, refused.reason, str(refused))
             return
@@ -141,7 +141,7 @@ class MapperNode(Node):
         self._advance()
 
     def _on_sonar(self, message: Range) -> None:
-        sonar = self._parameters.values.sonar
+        sonar = self._settings.values.sonar
         try:
             sample = conversions.range_from_msg(
                 message, sonar.frame_ids, sonar.field_of_view, names.SONAR
@@ -173,9 +173,9 @@ class MapperNode(Node):
     def _take(self, reading: SonarReading) -> None:
         if self._build_map.sequence is not None:
             self._build_map.sequence.on_reading(reading)
-        elif self._parameters.values.mode == "continuous":
+        elif self._settings.values.mode == "continuous":
             self._packet.append(reading)
-            if len(self._packet) >= self._parameters.values.packet_size:
+            if len(self._packet) >= self._settings.values.packet_size:
                 packet, self._packet = self._packet, []
                 self._fuse(packet)
 
@@ -254,7 +254,7 @@ class MapperNode(Node):
 
     def _diagnostic_values(self) -> dict[str, object]:
         return {
-            "mode": self._parameters.values.mode,
+            "mode": self._settings.values.mode,
             "perceptions": self._mapper.perceptions,
             "perceiving": self._build_map.sequence is not None,
             "waiting_readings": self._assembler.waiting,

@@ -4,10 +4,12 @@
 
 In a node's constructor::
 
-    self._parameters = declare_parameters(
+    self._settings = declare_parameters(
         self, mapper_parameters, PRESETS, on_change=self._use_parameters
     )
-    self._parameters.values  # the frozen dataclass that is valid now
+    self._settings.values  # the frozen dataclass that is valid now
+
+(not ``self._parameters``: that is rclpy's own, and its parameter services die of it).
 
 Every field becomes a ROS parameter with its dotted name, description, unit and range, and
 ``preset`` chooses where the values that are not given come from. A name that does not
