@@ -227,8 +227,9 @@ class InfraredParameters:
         source="method, section 4",
     )
     sees_glass: bool = parameter(
-        False,
-        doc="whether surfaces whose material lets infrared light through are seen all the same",
+        True,
+        doc="whether materials that let infrared light through (glass) are seen all the same; "
+        "if not, nothing but the sonars tells of them",
     )
 
     def __post_init__(self) -> None:
