@@ -181,35 +181,34 @@ class SonarModel:
     ) -> Iterator[tuple[IntArray, FloatArray, FloatArray]]:
         """Yield (cell of the window, E_i, O_i) of every cell in a cone, pass by pass."""
         size = last - first
-        cells = size[:, 0] * size[:, 1]
-        passes = np.cumsum(cells) // _CELLS_A_PASS
+        passes = np.cumsum(size[:, 0] * size[:, 1]) // _CELLS_A_PASS
         for number in np.unique(passes):
-            chosen = np.flatnonzero(passes == number)
-            reading = np.repeat(chosen, cells[chosen])
-            before = np.cumsum(cells[chosen]) - cells[chosen]
-            place = np.arange(len(reading)) - np.repeat(before, cells[chosen])
-            columns = size[reading, 1]
-            row = place // columns
-            column = place - row * columns + first[reading, 1]
-            row += first[reading, 0]
-            yield self._judge(packet, reading, row, column, window, geometry)
+            chosen: NDArray[np.bool_] = passes == number
+            yield self._judge(packet.select(chosen), first[chosen], size[chosen], window, geometry)
 
     def _judge(
         self,
         packet: SonarPacket,
-        reading: IntArray,
-        row: IntArray,
-        column: IntArray,
+        first: IntArray,
+        size: IntArray,
         window: Window,
         geometry: GridGeometry,
     ) -> tuple[IntArray, FloatArray, FloatArray]:
-        """Return (cell of the window, E_i, O_i) of those candidates that lie in a cone."""
+        """Return (cell of the window, E_i, O_i) of those cells of the boxes in a cone."""
         evidence = self._evidence
+        # The cells of all boxes one after the other; what belongs to a reading is repeated.
+        cells = size[:, 0] * size[:, 1]
+        reading = np.repeat(np.arange(len(cells)), cells)
+        place = np.arange(len(reading)) - np.repeat(np.cumsum(cells) - cells, cells)
+        columns = np.repeat(size[:, 1], cells)
+        row = place // columns
+        column = place - row * columns + np.repeat(first[:, 1], cells)
+        row += np.repeat(first[:, 0], cells)
         x, y = geometry.centre_coordinates(row, column)
-        dx = x - packet.apex[reading, 0]
-        dy = y - packet.apex[reading, 1]
-        ux = packet.axis[reading, 0]
-        uy = packet.axis[reading, 1]
+        dx = x - np.repeat(packet.apex[:, 0], cells)
+        dy = y - np.repeat(packet.apex[:, 1], cells)
+        ux = np.repeat(packet.axis[:, 0], cells)
+        uy = np.repeat(packet.axis[:, 1], cells)
         along = ux * dx + uy * dy
         across = ux * dy - uy * dx
         squared = dx * dx + dy * dy
