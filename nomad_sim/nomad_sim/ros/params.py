@@ -7,14 +7,17 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Final
 
 from fuzzy_map_building.parameter_schema import from_mapping, parameter, validate
 from fuzzy_map_building.types import Pose2
 from nomad_sim.params import SimulatorParameters
 from nomad_sim.world_io import load_world
 
-__all__ = ["SimulationParameters", "StartParameters", "simulation_parameters"]
+__all__ = ["EPOCH", "SimulationParameters", "StartParameters", "simulation_parameters"]
+
+#: Stamp of the simulator's time 0 [ns]: a stamp of 0 would mean that there is none.
+EPOCH: Final = 1_000_000_000
 
 
 @dataclass(frozen=True)

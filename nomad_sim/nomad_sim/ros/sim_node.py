@@ -39,7 +39,7 @@ from fuzzy_map_building.ros.conversions import Refused, grid_to_msg, twist_from_
 from fuzzy_map_building.ros.diagnostics import Diagnostics
 from fuzzy_map_building.ros.parameters import declare_parameters
 from fuzzy_map_building.ros.run import spin_node
-from nomad_sim.ros.params import SimulationParameters, simulation_parameters
+from nomad_sim.ros.params import EPOCH, SimulationParameters, simulation_parameters
 from nomad_sim.ros.sensor_publishers import SensorPublishers, stamp_of
 from nomad_sim.ros.tick_gate import TickGate
 from nomad_sim.simulator import Simulator
@@ -49,8 +49,6 @@ __all__ = ["TICK", "SimNode", "main"]
 
 #: Simulated time of a tick [s].
 TICK: Final = 0.05
-#: Stamp of the simulator's time 0 [ns]: a stamp of 0 means that there is none.
-EPOCH: Final = 1_000_000_000
 #: How far stamps jump ahead at a reset [ns].
 RESET_JUMP: Final = 2_000_000_000
 #: A command beyond this multiple of the robot's limits is no speed that anybody meant.

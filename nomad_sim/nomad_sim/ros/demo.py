@@ -1,0 +1,268 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""The demonstration: starts the four nodes, sends the robot to a goal, watches, draws.
+
+The nodes run as processes in a ROS domain of their own, and none is left afterwards,
+however the demonstration ends. What they write goes to ``logs/`` in the output folder.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Final
+
+from fuzzy_map_building.parameter_schema import describe
+from fuzzy_map_building.params import MapperParameters
+from fuzzy_map_building.ros.run import EXIT_REFUSED, StopRequest, stop_on_signals
+from fuzzy_navigation.params import MotionParameters, PlannerParameters
+from fuzzy_navigation.ros.processes import (
+    DISCOVERY_RANGE,
+    Ended,
+    ProcessGroup,
+    child_environment,
+    python_module,
+)
+from nomad_sim.ros.demo_options import NODES, DemoOptions, parse_options
+from nomad_sim.ros.demo_report import clear_output, summarise, write_figures
+from nomad_sim.ros.domain import reserved_domain
+from nomad_sim.ros.mission_record import MissionRecord, Perception
+from nomad_sim.ros.mission_watch import MissionWatch, spinning
+from nomad_sim.ros.params import SimulationParameters
+
+__all__ = ["main"]
+
+EXIT_NOT_TRUE: Final = 1
+EXIT_NODE_FAILED: Final = 3
+EXIT_STOPPED: Final = 130
+
+#: Modules of the nodes, by process.
+MODULES: Final[Mapping[str, str]] = {
+    "sim": "nomad_sim.ros.sim_node",
+    "mapper": "fuzzy_map_building.ros.mapper_node",
+    "planner": "fuzzy_navigation.ros.planner_node",
+    "motion": "fuzzy_navigation.ros.motion_node",
+}
+PARAMETERS: Final = {
+    "sim": SimulationParameters,
+    "mapper": MapperParameters,
+    "planner": PlannerParameters,
+    "motion": MotionParameters,
+}
+#: Longest wait for the nodes [s]: the first start on a machine compiles loops in each of them.
+START_TIMEOUT: Final = 120.0
+#: Longest wait for the simulator's last word on contacts [s].
+LAST_WORD_TIMEOUT: Final = 10.0
+#: Lines of a failed node's log that are shown.
+LOG_LINES: Final = 5
+
+_HEADER: Final = "  k  time [s]   x [m]   y [m]  phase     stopped by   alpha  left [m]"
+
+
+class NodeFailedError(RuntimeError):
+    """A node could not start, or ended before its time."""
+
+
+class StoppedError(RuntimeError):
+    """A signal has asked for the end."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the demonstration; `demo_options` lists the exit codes."""
+    with stop_on_signals() as stop:
+        try:
+            options = parse_options(arguments)
+            clear_output(options.output)
+        except (ValueError, OSError) as error:
+            print(f"demo: {' '.join(str(error).split())}", file=sys.stderr)
+            return EXIT_REFUSED
+        try:
+            return _demonstrate(options, stop)
+        except NodeFailedError as error:
+            print(f"demo: {error}", file=sys.stderr)
+            return EXIT_NODE_FAILED
+        except StoppedError:
+            print("demo: stopped", file=sys.stderr)
+            return EXIT_STOPPED
+
+
+def _demonstrate(options: DemoOptions, stop: StopRequest) -> int:
+    began = time.monotonic()
+    record, problem, durations = _run(options, stop)
+    durations["all"] = time.monotonic() - began
+    figures = write_figures(record, options)
+    success = summarise(record, options, problem, durations, figures)
+    _print_end(record, options, problem, durations)
+    return 0 if success else EXIT_NOT_TRUE
+
+
+def _run(options: DemoOptions, stop: StopRequest) -> tuple[MissionRecord, str, dict[str, float]]:
+    """Run the mission; return what was seen, why there is no verdict, and wall times [s]."""
+    logs = options.output / "logs"
+    logs.mkdir(exist_ok=True)
+    wanted = {NODES[name]: list(describe(kind)) for name, kind in PARAMETERS.items()}
+    with ExitStack() as stack:
+        domain = stack.enter_context(reserved_domain(options.domain))
+        environment = child_environment(ROS_DOMAIN_ID=str(domain), ROS_LOG_DIR=str(logs.resolve()))
+        os.environ[DISCOVERY_RANGE] = environment[DISCOVERY_RANGE]
+        _print_start(options, domain)
+        began = time.monotonic()
+        group = stack.enter_context(ProcessGroup())
+        for name, arguments in _arguments(options).items():
+            log = stack.enter_context((logs / f"{name}.log").open("wb"))
+            command = python_module(MODULES[name], "--ros-args", *arguments)
+            group.start(name, command, env=environment, stdout=log, stderr=log)
+        watch = stack.enter_context(spinning(_print_perception, wanted, domain))
+        _await_nodes(group, watch, stop, logs)
+        started = time.monotonic()
+        print(_HEADER, flush=True)
+        watch.ask_parameters()
+        watch.send_goal(options.world.goal)
+        _wait(group, stop, logs, watch.over.is_set, options.timeout)
+        ended = time.monotonic()
+        problem = watch.failure
+        if not watch.over.is_set():
+            problem = f"no verdict within {options.timeout:g} s"
+        _await_last_word(group, watch, stop, logs)
+        record = watch.record
+    return record, problem, {"start": started - began, "mission": ended - started}
+
+
+def _arguments(options: DemoOptions) -> dict[str, list[str]]:
+    """Return the ROS arguments of each process.
+
+    What the command line says comes after the parameter file and wins over it; only the
+    mapped area and the preset are defaults that the file may change.
+    """
+    world, start = options.world, options.world.start
+    area = {"size_x": world.size[0], "size_y": world.size[1]}
+    area |= {"origin_x": world.origin[0], "origin_y": world.origin[1]}
+    preset = {"preset": options.preset}
+    before: dict[str, Mapping[str, object]] = {
+        "sim": {},
+        "mapper": preset | {f"area.{name}": value for name, value in area.items()},
+        "planner": preset,
+        "motion": preset,
+    }
+    after: dict[str, Mapping[str, object]] = {name: {"use_sim_time": True} for name in NODES}
+    after["sim"] = {
+        "world": options.world_source,
+        "seed": options.seed,
+        "rate": options.rate,
+        "lockstep": options.lockstep,
+        "start.override": True,
+        "start.x": start.x,
+        "start.y": start.y,
+        "start.theta": start.theta,
+    }
+    file = [] if options.params_file is None else ["--params-file", str(options.params_file)]
+    return {
+        name: [
+            *_rules(node, before[name]),
+            *file,
+            *_rules(node, after[name]),
+        ]
+        for name, node in NODES.items()
+    }
+
+
+def _rules(node: str, values: Mapping[str, object]) -> list[str]:
+    """Return parameters as arguments for a node of this name, in YAML."""
+
+    def text(value: object) -> str:
+        if isinstance(value, bool):
+            return str(value).lower()
+        if isinstance(value, float):
+            return f"{value:.9f}"
+        # In YAML's single quotes everything stands for itself but the quote.
+        return str(value) if isinstance(value, int) else "'" + str(value).replace("'", "''") + "'"
+
+    return [part for name, v in values.items() for part in ("-p", f"{node}:{name}:={text(v)}")]
+
+
+def _wait(
+    group: ProcessGroup, stop: StopRequest, logs: Path, until: object, timeout: float
+) -> None:
+    """Wait until something has happened, at most `timeout` [s]."""
+    assert callable(until)
+    ended = group.wait(lambda: stop.requested or until(), timeout)
+    if stop.requested:
+        raise StoppedError
+    if ended is not None:
+        raise NodeFailedError(_epitaph(ended, logs))
+
+
+def _epitaph(ended: Ended, logs: Path) -> str:
+    log = logs / f"{ended.name}.log"
+    lines = log.read_text(errors="replace").strip().splitlines()[-LOG_LINES:]
+    return "\n  ".join([f"{ended}; {log} ends with:", *(lines or ["(nothing)"])])
+
+
+def _await_nodes(group: ProcessGroup, watch: MissionWatch, stop: StopRequest, logs: Path) -> None:
+    _wait(group, stop, logs, lambda: not watch.missing, START_TIMEOUT)
+    if watch.missing:
+        raise NodeFailedError(f"after {START_TIMEOUT:g} s still missing: {watch.missing}")
+
+
+def _await_last_word(
+    group: ProcessGroup, watch: MissionWatch, stop: StopRequest, logs: Path
+) -> None:
+    """Wait for diagnostics of the simulator from after the end: they tell of contacts."""
+    end = watch.record.time
+
+    def heard() -> bool:
+        return float(watch.record.simulator["time"]) >= end
+
+    _wait(group, stop, logs, heard, LAST_WORD_TIMEOUT)
+
+
+def _print_start(options: DemoOptions, domain: int) -> None:
+    world = options.world
+    rate = f"{options.rate:g} times real time" if options.rate > 0.0 else "as fast as possible"
+    print(
+        f"world '{world.name}' from ({world.start.x:g}, {world.start.y:g}) to "
+        f"({world.goal[0]:g}, {world.goal[1]:g}) m, seed {options.seed}, "
+        f"preset {options.preset}, {rate}{' in lockstep' if options.lockstep else ''}\n"
+        f"to watch: ROS_DOMAIN_ID={domain} {DISCOVERY_RANGE}={os.environ[DISCOVERY_RANGE]}",
+        flush=True,
+    )
+
+
+def _print_perception(p: Perception) -> None:
+    print(
+        f"{p.number:3d}  {p.stamp:8.2f}  {p.pose.x:6.2f}  {p.pose.y:6.2f}  "
+        f"{p.phase.name.lower():8s}  {p.stop.name.lower():11s}  {p.alpha:5.2f}  "
+        f"{p.distance_remaining:8.2f}",
+        flush=True,
+    )
+
+
+def _print_end(
+    record: MissionRecord,
+    options: DemoOptions,
+    problem: str,
+    durations: Mapping[str, float],
+) -> None:
+    verdict = record.verdict
+    if verdict is None:
+        print(f"no verdict: {problem}")
+    else:
+        print(
+            f"{verdict.outcome.name} (true: {options.expected}): {verdict.message}\n"
+            f"{verdict.perceptions} perceptions, {verdict.path_length:.2f} m, "
+            f"{verdict.duration:.1f} s simulated in {durations['mission']:.1f} s"
+        )
+    print(
+        f"least clearance {record.simulator['least_clearance']} m, "
+        f"contacts: {record.simulator['contacts']}\n"
+        f"figures and summary: {options.output}",
+        flush=True,
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,256 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""The demonstration's command line, checked to the end before anything starts."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+import yaml
+
+from fuzzy_map_building.parameter_schema import suggest
+from fuzzy_map_building.params import DEFAULT_PRESET, mapper_parameters
+from fuzzy_map_building.ros import names
+from fuzzy_map_building.types import Pose2
+from fuzzy_navigation.params import motion_parameters, planner_parameters
+from nomad_sim.ground_truth import reachable
+from nomad_sim.ros.params import simulation_parameters
+from nomad_sim.simulator import Simulator
+from nomad_sim.world import World
+from nomad_sim.world_io import load_world, world_names
+
+__all__ = ["NODES", "DemoOptions", "parse_options"]
+
+#: Names of the nodes that the demonstration starts, by process.
+NODES: Final[Mapping[str, str]] = {
+    "sim": names.SIMULATOR_NODE,
+    "mapper": names.MAPPER_NODE,
+    "planner": names.PLANNER_NODE,
+    "motion": names.MOTION_NODE,
+}
+#: Simulated seconds a second: what two cores keep up with in lockstep.
+DEFAULT_RATE: Final = 8.0
+MAX_FILE_SIZE: Final = 1_000_000
+
+_EPILOG: Final = """\
+exit codes:
+  0    the verdict is the true one and the robot touched nothing
+  1    another verdict, a contact, or no verdict within --timeout
+  2    refused before anything was started: the line says why
+  3    a node could not start, or ended before its time
+  130  stopped by SIGINT (Ctrl-C); 143 by SIGTERM. No process is left in any case
+"""
+
+
+@dataclass(frozen=True)
+class DemoOptions:
+    """What to demonstrate.
+
+    Parameters
+    ----------
+    world : World
+        With the start and the goal that were asked for.
+    world_source : str
+        Name or file that it comes from.
+    expected : str
+        True verdict, ``reached`` or ``unreachable``.
+    seed : int
+        Seed of the simulator.
+    rate : float
+        Simulated seconds a second, 0: as fast as possible.
+    lockstep : bool
+        Whether each tick of the simulator waits for the motion's answer.
+    output : Path
+        Folder for figures, summary and logs.
+    preset : str
+        Rule set of mapper, planner and motion.
+    params_file : Path, optional
+        Parameters for any of the nodes.
+    timeout : float
+        Wall time after which the run is given up [s].
+    domain : int, optional
+        ROS domain; None: a free one.
+    """
+
+    world: World
+    world_source: str
+    expected: str
+    seed: int
+    rate: float
+    lockstep: bool
+    output: Path
+    preset: str
+    params_file: Path | None
+    timeout: float
+    domain: int | None
+
+
+def parse_options(arguments: Sequence[str] | None = None) -> DemoOptions:
+    """Return what the command line asks for.
+
+    Raises
+    ------
+    ValueError
+        If it cannot be done, with a sentence that says why.
+    SystemExit
+        For ``--help``, and for a command line that cannot be read.
+    """
+    args = _parser().parse_args(arguments)
+    world = load_world(args.world)
+    expected = world.expected
+    motion = motion_parameters(args.preset)
+    planner_parameters(args.preset)
+    mapper_parameters(args.preset)
+    if args.params_file is not None:
+        _check_parameter_file(args.params_file)
+    if args.start is not None or args.goal is not None:
+        world = _moved(world, args.start, args.goal)
+    # Refuses a start in an obstacle, and parameters that the world does not take.
+    values = simulation_parameters({"world": args.world, "seed": args.seed, "rate": args.rate})
+    Simulator(world, values)
+    if args.start is not None or args.goal is not None:
+        can_be = reachable(world, values.robot.radius, motion.goal_tolerance)
+        expected = "reached" if can_be else "unreachable"
+    try:
+        args.output.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ValueError(f"--output {args.output}: {error.strerror}") from error
+    return DemoOptions(
+        world=world,
+        world_source=args.world,
+        expected=expected,
+        seed=args.seed,
+        rate=args.rate,
+        lockstep=args.lockstep,
+        output=args.output,
+        preset=args.preset,
+        params_file=args.params_file,
+        timeout=args.timeout,
+        domain=args.domain,
+    )
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="demo",
+        description="A simulated robot crosses an unknown world to its goal, driven by the nodes "
+        "sim, mapper, planner and motion over ROS 2. Leaves figures of the maps and summary.json.",
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    known = ", ".join(world_names())
+    parser.add_argument("--world", default="lab", help=f"{known}, or a file (default: lab)")
+    parser.add_argument(
+        "--start",
+        nargs=3,
+        type=_finite,
+        metavar=("X", "Y", "THETA"),
+        help="start [m, m, rad] (default: the world's)",
+    )
+    parser.add_argument(
+        "--goal", nargs=2, type=_finite, metavar=("X", "Y"), help="goal [m] (default: the world's)"
+    )
+    parser.add_argument("--seed", type=int, default=0, help="of all noise (default: 0)")
+    parser.add_argument(
+        "--rate",
+        type=_finite,
+        default=DEFAULT_RATE,
+        help="simulated seconds a second, 0: as fast as the machine allows "
+        f"(default: {DEFAULT_RATE:g})",
+    )
+    parser.add_argument(
+        "--output", type=Path, default=Path("demo"), help="folder for results (default: demo)"
+    )
+    parser.add_argument(
+        "--preset",
+        default=DEFAULT_PRESET,
+        help=f"rule set of mapper, planner and motion (default: {DEFAULT_PRESET})",
+    )
+    parser.add_argument(
+        "--lockstep",
+        action=argparse.BooleanOptionalAction,
+        default=True,
+        help="whether simulated time waits for the motion's answers, so that a slow machine "
+        "gives the same run as a fast one (default: yes)",
+    )
+    parser.add_argument(
+        "--timeout",
+        type=_positive,
+        default=600.0,
+        help="wall time after which the run is given up [s] (default: 600)",
+    )
+    parser.add_argument(
+        "--params-file", type=Path, help="ROS 2 parameter file, for any of the four nodes"
+    )
+    parser.add_argument(
+        "--domain",
+        type=_domain,
+        help="ROS_DOMAIN_ID, e.g. to watch with RViz (default: one that nobody uses)",
+    )
+    return parser
+
+
+def _finite(text: str) -> float:
+    value = float(text)
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"must be finite, got {text}")
+    return value
+
+
+def _positive(text: str) -> float:
+    value = _finite(text)
+    if value <= 0.0:
+        raise argparse.ArgumentTypeError(f"must be above 0, got {text}")
+    return value
+
+
+def _domain(text: str) -> int:
+    value = int(text)
+    if not 0 <= value <= 101:
+        raise argparse.ArgumentTypeError(f"must be from 0 to 101, got {text}")
+    return value
+
+
+def _moved(world: World, start: list[float] | None, goal: list[float] | None) -> World:
+    """Return the world with another start or goal, both in its area."""
+    (x0, y0), (x1, y1) = world.origin, np.add(world.origin, world.size)
+    for name, place in (("start", start), ("goal", goal)):
+        if place is not None and not (x0 <= place[0] < x1 and y0 <= place[1] < y1):
+            raise ValueError(
+                f"--{name} ({place[0]:g}, {place[1]:g}) m lies outside the area of world "
+                f"'{world.name}', x from {x0:g} to {x1:g} m and y from {y0:g} to {y1:g} m"
+            )
+    return replace(
+        world,
+        start=world.start if start is None else Pose2(*start),
+        goal=world.goal if goal is None else (goal[0], goal[1]),
+    )
+
+
+def _check_parameter_file(path: Path) -> None:
+    """Refuse a file that ROS would refuse later, or would silently not use."""
+    try:
+        with path.open("rb") as file:
+            content: Any = yaml.safe_load(file.read(MAX_FILE_SIZE))
+    except OSError as error:
+        raise ValueError(f"--params-file {path}: {error.strerror}") from error
+    except yaml.YAMLError as error:
+        reason = " ".join(str(error).split())
+        raise ValueError(f"--params-file {path} is no YAML: {reason}") from error
+    if not isinstance(content, dict) or not content:
+        raise ValueError(f"--params-file {path}: a mapping of node names to parameters expected")
+    known = set(NODES.values())
+    for key, value in content.items():
+        node = str(key).rsplit("/", 1)[-1]
+        if node not in known and "*" not in node:
+            raise ValueError(f"--params-file {path}: unknown node '{key}'{suggest(node, known)}")
+        if not (isinstance(value, dict) and isinstance(value.get("ros__parameters"), dict)):
+            raise ValueError(
+                f"--params-file {path}: '{key}' needs the key 'ros__parameters' and its parameters"
+            )
