@@ -48,7 +48,6 @@ requirements:
 	@.ci/requirements
 
 clean:
-	rm -rf .venv build install log .coverage .coverage.* .pytest_cache .hypothesis \
-	  .mypy_cache .ruff_cache .import_linter_cache
-	find . -name __pycache__ -type d -prune -exec rm -rf {} +
-	find . -name '*.egg-info' -type d -prune -exec rm -rf {} +
+	rm -rf .venv build install log .mypy_cache .ruff_cache .import_linter_cache
+	find . \( -name __pycache__ -o -name '*.egg-info' -o -name .pytest_cache -o -name .hypothesis \) \
+	  -type d -prune -exec rm -rf {} +
