@@ -92,9 +92,9 @@ def _panel(moment: Moment, risk: FloatArray, name: str) -> Panel:
 
 def entry_line(entry: LogEntry) -> str:
     """Return a perception of a mission's log as a line."""
-    pose = entry.pose
+    pose, stop = entry.pose, entry.stop.name.lower()
     return (
-        f"perception {entry.perception:>3} at {entry.stamp:7.2f} s, "
-        f"({pose.x:6.2f}, {pose.y:6.2f}) m: "
-        f"stopped by {entry.stop.name.lower():<10} alpha {entry.alpha:.1f}, {entry.distance_remaining:5.2f} m left"
+        f"perception {entry.perception:>3} at {entry.stamp:7.2f} s, ({pose.x:6.2f}, "
+        f"{pose.y:6.2f}) m: stopped by {stop:<10} alpha {entry.alpha:.1f}, "
+        f"{entry.distance_remaining:5.2f} m left"
     )
