@@ -11,6 +11,7 @@ from rclpy.node import Node
 from fuzzy_map_building.mapper import FuzzyMapper
 from fuzzy_map_building.occupancy import belief_to_int8, risk_to_int8
 from fuzzy_map_building.ros import names, qos
+from fuzzy_map_building.ros.clock import now_seconds, stamp_from_seconds
 from fuzzy_map_building.ros.conversions import grid_to_msg
 
 __all__ = ["MapPublisher"]
@@ -36,9 +37,18 @@ class MapPublisher:
         node.create_service(GetMap, names.GET_MOTION_MAP, self._get_motion_map)
         node.create_service(GetMap, names.GET_PLANNING_MAP, self._get_planning_map)
 
-    def publish(self, mapper: FuzzyMapper) -> None:
-        """Publish all three grids, with one stamp."""
-        stamp = self._node.get_clock().now().to_msg()
+    def publish(self, mapper: FuzzyMapper, newest: float = 0.0) -> None:
+        """Publish all three grids, with one stamp.
+
+        Parameters
+        ----------
+        mapper : FuzzyMapper
+            Whose maps they are.
+        newest : float
+            Stamp of the newest reading in them [s]. The maps' stamp is the present time, but
+            never before this one: readings can arrive before the /clock of their time.
+        """
+        stamp = stamp_from_seconds(max(now_seconds(self._node), newest))
         geometry = mapper.geometry
         self._motion_map = grid_to_msg(risk_to_int8(mapper.motion_risk), geometry, stamp)
         self._planning_map = grid_to_msg(risk_to_int8(mapper.planning_risk), geometry, stamp)

@@ -9,6 +9,7 @@ runs, or, in continuous mode, to a packet that is fused whenever it is full.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping, Sequence
 from typing import Final
 
@@ -185,7 +186,7 @@ class MapperNode(Node):
             text = EXPLANATIONS.get(reason, reason)
             self._diagnostics.reject(names.SONAR, reason, text, count)
         if report.accepted:
-            self._maps.publish(self._mapper)
+            self._maps.publish(self._mapper, max(reading.stamp for reading in readings))
             return FusedPacket(self._mapper.perceptions, report.accepted, "")
         reasons = ", ".join(f"{n} {reason}" for reason, n in sorted(report.rejected.items()))
         return FusedPacket(
@@ -269,3 +270,7 @@ class MapperNode(Node):
 def main() -> int:
     """Run the node until SIGINT or SIGTERM."""
     return spin_node(MapperNode)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

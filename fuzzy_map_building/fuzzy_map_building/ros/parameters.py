@@ -29,6 +29,7 @@ from rcl_interfaces.msg import (
     ParameterDescriptor,
     SetParametersResult,
 )
+from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
@@ -180,7 +181,37 @@ def declare_parameters(
     node.add_pre_set_parameters_callback(parameters.convert)
     node.add_on_set_parameters_callback(parameters.check)
     node.add_post_set_parameters_callback(parameters.apply)
+    _guard_services(node)
     return parameters
+
+
+def _guard_services(node: Node) -> None:
+    """Refuse requests to set a parameter to a value of no type, of which rclpy's callbacks die."""
+    known = {kind.value for kind in Parameter.Type}
+
+    def malformed(request: Any) -> str:
+        for parameter in request.parameters:
+            if parameter.value.type not in known:
+                return f"'{parameter.name}' has a value of type {parameter.value.type}, unknown"
+        return ""
+
+    def guarded(callback: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
+        def answer(request: Any, response: Any) -> Any:
+            reason = malformed(request)
+            if not reason:
+                return callback(request, response)
+            refused = SetParametersResult(successful=False, reason=f"nothing was set: {reason}")
+            if isinstance(response, SetParameters.Response):
+                response.results = [refused for _ in request.parameters]
+            else:
+                response.result = refused
+            return response
+
+        return answer
+
+    for service in node.services:
+        if service.srv_type in (SetParameters, SetParametersAtomically):
+            service.callback = guarded(service.callback)
 
 
 def _type_of(info: ParameterInfo) -> Parameter.Type:
