@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -21,7 +22,8 @@ from rclpy.action import ActionClient
 from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
 
-from fuzzy_map_building.map_io import load_map
+from fuzzy_map_building.grid import GridGeometry
+from fuzzy_map_building.map_io import load_map, save_map
 from fuzzy_map_building.mapper import FuzzyMapper
 from fuzzy_map_building.params import mapper_parameters
 from fuzzy_map_building.ros import names, qos
@@ -265,6 +267,11 @@ def test_files_that_are_refused_leave_the_map(
     before = motion_map(module_probe)
     junk = tmp_path / "junk"
     junk.write_bytes(b"PK\x03\x04 no map at all")
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    geometry = GridGeometry(3, 2, 0.1)
+    other = tmp_path / "other_grid"
+    save_map(other, FuzzyMapper(geometry).state())
     for service, path in (
         (names.SAVE_MAP, ""),
         (names.SAVE_MAP, str(tmp_path)),
@@ -273,9 +280,16 @@ def test_files_that_are_refused_leave_the_map(
         (names.LOAD_MAP, str(tmp_path)),
         (names.LOAD_MAP, str(tmp_path / "absent")),
         (names.LOAD_MAP, str(junk)),
-        (names.LOAD_MAP, "/dev/null"),
+        (names.LOAD_MAP, "/dev/zero"),
+        (names.LOAD_MAP, str(other)),
+        # Opening a pipe would wait for ever for who writes to it.
+        (names.LOAD_MAP, str(pipe)),
+        (names.SAVE_MAP, str(pipe)),
+        (names.SAVE_MAP, str(tmp_path / ("long" * 100))),
     ):
         answer = module_probe.call(MapFile, service, MapFile.Request(path=path))
         assert not answer.success, (service, path)
         assert len(answer.message) > 10, (service, path, answer.message)
     np.testing.assert_array_equal(motion_map(module_probe), before)
+    assert pipe.is_fifo()
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["junk", "other_grid", "pipe"]

@@ -37,6 +37,7 @@ from fuzzy_map_building.ros.build_map_server import BuildMapServer, FusedPacket
 from fuzzy_map_building.ros.clock import create_steady_timer, now_seconds
 from fuzzy_map_building.ros.conversions import Refused
 from fuzzy_map_building.ros.diagnostics import Diagnostics
+from fuzzy_map_building.ros.files import file_to_read, file_to_write
 from fuzzy_map_building.ros.map_publisher import MapPublisher
 from fuzzy_map_building.ros.parameters import declare_parameters
 from fuzzy_map_building.ros.run import spin_node
@@ -217,7 +218,7 @@ class MapperNode(Node):
 
     def _on_save(self, request: MapFile.Request, response: MapFile.Response) -> MapFile.Response:
         try:
-            save_map(request.path, self._mapper.state())
+            save_map(file_to_write(request.path), self._mapper.state())
         except (ValueError, OSError) as error:
             return self._refuse(names.SAVE_MAP, response, error)
         response.success = True
@@ -226,7 +227,7 @@ class MapperNode(Node):
 
     def _on_load(self, request: MapFile.Request, response: MapFile.Response) -> MapFile.Response:
         try:
-            self._mapper.restore(load_map(request.path))
+            self._mapper.restore(load_map(file_to_read(request.path)))
         except (ValueError, OSError) as error:
             return self._refuse(names.LOAD_MAP, response, error)
         self._packet.clear()

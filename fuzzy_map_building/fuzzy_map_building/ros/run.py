@@ -22,7 +22,7 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Final
 
 import rclpy
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
@@ -92,9 +92,9 @@ def spin_node(factory: Callable[[], Node], args: Sequence[str] | None = None) ->
     Returns
     -------
     int
-        Exit code: 0 after a signal, `EXIT_REFUSED` when the node could not start because
-        the command line, a parameter or a file was refused. The reason is then one line
-        on stderr.
+        Exit code: 0 after a signal, or when a callback has shut rclpy down; `EXIT_REFUSED`
+        when the node could not start because the command line, a parameter or a file was
+        refused. The reason is then one line on stderr.
 
     Raises
     ------
@@ -111,11 +111,9 @@ def spin_node(factory: Callable[[], Node], args: Sequence[str] | None = None) ->
         executor = SingleThreadedExecutor()
         executor.add_node(node)
         try:
-            while not stop.requested:
+            while not stop.requested and rclpy.ok():
                 executor.spin_once(timeout_sec=SPIN_PERIOD)
             _drain(node, executor)
-        except ExternalShutdownException:
-            pass  # the context was shut down by somebody else: nothing left to spin
         finally:
             executor.shutdown()
             node.destroy_node()
@@ -141,7 +139,7 @@ def _start(factory: Callable[[], Node], argv: list[str]) -> Node:
 
 def _drain(node: Node, executor: SingleThreadedExecutor) -> None:
     on_stop = getattr(node, "on_stop", None)
-    if on_stop is None:
+    if on_stop is None or not rclpy.ok():
         return
     on_stop()
     end = time.monotonic() + DRAIN_TIME

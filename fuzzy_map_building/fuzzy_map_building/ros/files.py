@@ -1,0 +1,43 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""Paths that come in by a service: looked at before anything is opened there."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+__all__ = ["file_to_read", "file_to_write"]
+
+
+def file_to_write(path: str) -> Path:
+    """Return the path of a file that may be written, replacing what is there.
+
+    Raises
+    ------
+    ValueError
+        If the path is empty, or a folder, device or pipe: writing would replace it, too.
+    OSError
+        If it cannot be looked at.
+    """
+    if not path:
+        raise ValueError("no path was given; name the file, as this process sees it")
+    file = Path(path)
+    if file.exists() and not file.is_file():
+        raise ValueError(f"'{path}' is a folder, a device or a pipe; name a file")
+    return file
+
+
+def file_to_read(path: str) -> Path:
+    """Return the path of a file that exists.
+
+    Raises
+    ------
+    ValueError
+        If there is none, or it is a folder, a device, or a pipe, which would block for ever.
+    OSError
+        If it cannot be looked at.
+    """
+    file = file_to_write(path)
+    if not file.exists():
+        raise ValueError(f"there is no file '{path}' as this process sees it")
+    return file

@@ -1,0 +1,126 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""The life of a process: what ends it, and with which exit code."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+
+import pytest
+
+from fuzzy_map_building.ros.run import stop_on_signals
+
+PREAMBLE = """
+    import os, signal, sys
+    import rclpy
+    from rclpy.node import Node
+    from std_msgs.msg import Empty
+    from fuzzy_map_building.ros.run import spin_node
+"""
+
+
+def run(program: str, *arguments: str) -> subprocess.CompletedProcess[str]:
+    code = textwrap.dedent(PREAMBLE) + textwrap.dedent(program)
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
+    return subprocess.run(
+        [sys.executable, "-c", code, *arguments],
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_signals_become_a_flag_and_the_handlers_come_back(number: signal.Signals) -> None:
+    before = signal.getsignal(number)
+    with stop_on_signals() as stop:
+        assert not stop.requested
+        os.kill(os.getpid(), number)
+        assert stop.requested
+    assert signal.getsignal(number) is before
+
+
+def test_a_node_may_say_goodbye() -> None:
+    done = run("""
+        class Polite(Node):
+            def __init__(self):
+                super().__init__("polite")
+                self.create_timer(0.01, lambda: os.kill(os.getpid(), signal.SIGTERM))
+                self.farewell = self.create_publisher(Empty, "farewell", 1)
+                self.create_subscription(Empty, "farewell", self.on_farewell, 1)
+
+            def on_stop(self):
+                self.farewell.publish(Empty())
+
+            def on_farewell(self, message):
+                print("heard by an executor that still spins")
+
+        sys.exit(spin_node(Polite))
+    """)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout == "heard by an executor that still spins\n"
+
+
+def test_a_signal_during_the_start_ends_the_node_when_it_is_up() -> None:
+    done = run("""
+        def slow():
+            os.kill(os.getpid(), signal.SIGINT)
+            return Node("slow")
+
+        sys.exit(spin_node(slow))
+    """)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+def test_a_context_that_somebody_else_shuts_down_ends_the_node() -> None:
+    done = run("""
+        class Brief(Node):
+            def __init__(self):
+                super().__init__("brief")
+                self.create_timer(0.01, lambda: rclpy.shutdown())
+
+        sys.exit(spin_node(Brief))
+    """)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.parametrize("error", ["ValueError('a\\n  world')", "OSError('a world')"])
+def test_what_refuses_the_start_is_told_in_one_line(error: str) -> None:
+    done = run(f"""
+        def refuse():
+            Node("refused")
+            raise {error}
+
+        sys.exit(spin_node(refuse))
+    """)
+    assert done.returncode == 2
+    assert done.stderr == "-c: cannot start: a world\n"
+
+
+@pytest.mark.parametrize("where", ["start", "callback"])
+def test_a_fault_in_the_program_does_not_pass_for_a_stop(where: str) -> None:
+    done = run(
+        """
+        class Faulty(Node):
+            def __init__(self, fails):
+                super().__init__("faulty")
+                self.create_timer(0.01, self.fail)
+                if fails:
+                    self.fail()
+
+            def fail(self):
+                raise RuntimeError("a fault")
+
+        where = sys.argv.pop()
+        sys.exit(spin_node(lambda: Faulty(where == "start")))
+        """,
+        where,
+    )
+    assert done.returncode == 1
+    assert "RuntimeError: a fault" in done.stderr
