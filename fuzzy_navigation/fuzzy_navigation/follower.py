@@ -31,6 +31,8 @@ BRAKING_PART = 0.8
 ALIGNED = math.radians(1.0)
 #: Part of the arrival distance at which the robot is told to stand: the rest is its own error.
 ARRIVAL_PART = 0.25
+#: How far from where it was along the path the robot is looked for [m].
+SEARCH = 0.1
 #: Slowest useful speed [m/s]: below it a command moves nothing in a tick.
 CREEP = 1e-3
 
@@ -174,7 +176,7 @@ class Follower:
             return self._command(0.0, 0.0, dt)
         leg = self._path.legs[self._leg]
         pose = self._predicted(pose, dt)
-        i, along, lateral = self._locate(leg, pose)
+        i, lateral = self._locate(leg, pose, dt)
         end = min(float(leg.s[-1]), stop_at)
         to_end = end - self._progress
         close = ARRIVAL_PART * self._p.arrival
@@ -194,7 +196,7 @@ class Follower:
         v = self._approach(to_end, dt)
         v = min(v, float(self._speed[self._leg][i]), max_speed)
         v = self._limited(v, self._v, self._p.linear_acceleration, self._p.max_linear, dt)
-        omega = self._steer(leg, i, along, v, lateral, error)
+        omega = self._steer(leg, v, lateral, error)
         # What the robot cannot turn in time, it must not drive either.
         missing = abs(omega - self._turning_rate(omega, dt))
         v = float(v * max(CREEP, 1.0 - missing / self._p.max_angular))
@@ -225,18 +227,21 @@ class Follower:
         speed: Floats = np.sqrt(np.maximum(braked, 0.0))
         return speed
 
-    def _locate(self, leg: Leg, pose: Pose2) -> tuple[int, float, float]:
-        """Find the robot along the leg: sample, distance past it, distance left of the path."""
-        first = int(np.searchsorted(leg.s, self._progress - 0.05))
-        last = int(np.searchsorted(leg.s, self._progress + 0.15, side="right"))
+    def _locate(self, leg: Leg, pose: Pose2, dt: float) -> tuple[int, float]:
+        """Find the robot along the leg: the nearest sample, and how far left of it it is."""
+        # Only near where it was: the path may come by here again later.
+        reach = SEARCH + self._v * dt
+        first = int(np.searchsorted(leg.s, self._progress - SEARCH))
+        last = int(np.searchsorted(leg.s, self._progress + reach, side="right"))
         offset = np.array([pose.x, pose.y]) - leg.xy[first:last]
         i = first + int(np.argmin((offset**2).sum(axis=1)))
         dx, dy = pose.x - float(leg.xy[i, 0]), pose.y - float(leg.xy[i, 1])
         c, s = math.cos(leg.heading[i]), math.sin(leg.heading[i])
         along, lateral = dx * c + dy * s, -dx * s + dy * c
-        self._progress = min(max(float(leg.s[i]) + along, float(leg.s[0])), float(leg.s[-1]))
+        progress = float(leg.s[i]) + along
+        self._progress = min(max(progress, float(leg.s[first])), float(leg.s[last - 1]))
         self._deviation = math.hypot(dx, dy)
-        return i, along, lateral
+        return i, lateral
 
     def _finish_leg(self) -> None:
         if self._leg + 1 < len(self._path.legs):
@@ -260,13 +265,10 @@ class Follower:
         rate = min(math.sqrt(2.0 * braking * abs(error)), HEADING_RATE * abs(error))
         return math.copysign(min(rate, self._p.max_angular), error)
 
-    def _steer(
-        self, leg: Leg, i: int, along: float, v: float, lateral: float, error: float
-    ) -> float:
+    def _steer(self, leg: Leg, v: float, lateral: float, error: float) -> float:
         """Return the turning rate [rad/s]: the curve's own, and what corrects the errors."""
         gain = min((LATERAL_RATE / max(v, CREEP)) ** 2, 1.0 / LATERAL_DISTANCE**2)
-        ahead = float(leg.s[i]) + along
-        curvature = float(np.interp(ahead, leg.s, leg.curvature))
+        curvature = float(np.interp(self._progress, leg.s, leg.curvature))
         return v * curvature - HEADING_RATE * error - v * gain * lateral
 
     def _command(self, v: float, omega: float, dt: float) -> tuple[float, float]:

@@ -31,7 +31,6 @@ from fuzzy_navigation.mission_types import (
     Perceive,
     Phase,
     Plan,
-    Stop,
 )
 from fuzzy_navigation.mission_waiting import Hold, MissionTime, OpenRequest
 from fuzzy_navigation.motion import Motion, PlannedPath
@@ -89,11 +88,6 @@ class Mission:
         """What the robot is doing."""
         others = {_State.PLANNING: Phase.PLANNING, _State.MOVING: Phase.MOVING}
         return others.get(self._state, Phase.PERCEIVING)
-
-    @property
-    def last_stop(self) -> Stop:
-        """Why the robot last stopped in the newest mission."""
-        return self._record.last_stop
 
     @property
     def log(self) -> tuple[LogEntry, ...]:
