@@ -11,7 +11,7 @@ from __future__ import annotations
 import os
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Final
@@ -22,16 +22,16 @@ from fuzzy_map_building.ros.run import EXIT_REFUSED, StopRequest, stop_on_signal
 from fuzzy_navigation.params import MotionParameters, PlannerParameters
 from fuzzy_navigation.ros.processes import (
     DISCOVERY_RANGE,
-    Ended,
     ProcessGroup,
     child_environment,
     python_module,
 )
 from nomad_sim.ros.demo_options import NODES, DemoOptions, parse_options
 from nomad_sim.ros.demo_report import clear_output, summarise, write_figures
+from nomad_sim.ros.demo_text import print_end, print_header, print_perception, print_start
 from nomad_sim.ros.domain import reserved_domain
-from nomad_sim.ros.mission_record import MissionRecord, Perception
-from nomad_sim.ros.mission_watch import MissionWatch, spinning
+from nomad_sim.ros.mission_record import MissionRecord
+from nomad_sim.ros.mission_watch import spinning
 from nomad_sim.ros.params import SimulationParameters
 
 __all__ = ["main"]
@@ -59,8 +59,6 @@ START_TIMEOUT: Final = 120.0
 LAST_WORD_TIMEOUT: Final = 10.0
 #: Lines of a failed node's log that are shown.
 LOG_LINES: Final = 5
-
-_HEADER: Final = "  k  time [s]   x [m]   y [m]  phase     stopped by   alpha  left [m]"
 
 
 class NodeFailedError(RuntimeError):
@@ -96,7 +94,7 @@ def _demonstrate(options: DemoOptions, stop: StopRequest) -> int:
     durations["all"] = time.monotonic() - began
     figures = write_figures(record, options)
     success = summarise(record, options, problem, durations, figures)
-    _print_end(record, options, problem, durations)
+    print_end(record, options, problem, durations)
     return 0 if success else EXIT_NOT_TRUE
 
 
@@ -109,27 +107,55 @@ def _run(options: DemoOptions, stop: StopRequest) -> tuple[MissionRecord, str, d
         domain = stack.enter_context(reserved_domain(options.domain))
         environment = child_environment(ROS_DOMAIN_ID=str(domain), ROS_LOG_DIR=str(logs.resolve()))
         os.environ[DISCOVERY_RANGE] = environment[DISCOVERY_RANGE]
-        _print_start(options, domain)
+        print_start(options, domain, environment[DISCOVERY_RANGE])
         began = time.monotonic()
-        group = stack.enter_context(ProcessGroup())
+        nodes = _Nodes(stack.enter_context(ProcessGroup()), stop, logs)
         for name, arguments in _arguments(options).items():
-            log = stack.enter_context((logs / f"{name}.log").open("wb"))
-            command = python_module(MODULES[name], "--ros-args", *arguments)
-            group.start(name, command, env=environment, stdout=log, stderr=log)
-        watch = stack.enter_context(spinning(_print_perception, wanted, domain))
-        _await_nodes(group, watch, stop, logs)
+            nodes.start(name, arguments, environment)
+        watch = stack.enter_context(spinning(print_perception, wanted, domain))
+        nodes.wait(lambda: not watch.missing, START_TIMEOUT)
+        if watch.missing:
+            raise NodeFailedError(f"after {START_TIMEOUT:g} s still missing: {watch.missing}")
         started = time.monotonic()
-        print(_HEADER, flush=True)
+        print_header()
         watch.ask_parameters()
         watch.send_goal(options.world.goal)
-        _wait(group, stop, logs, watch.over.is_set, options.timeout)
+        nodes.wait(watch.over.is_set, options.timeout)
         ended = time.monotonic()
-        problem = watch.failure
+        record, problem = watch.record, watch.failure
         if not watch.over.is_set():
             problem = f"no verdict within {options.timeout:g} s"
-        _await_last_word(group, watch, stop, logs)
-        record = watch.record
+        # The simulator tells of contacts in its diagnostics: those from after the end count.
+        end = record.time
+        nodes.wait(lambda: float(record.simulator["time"]) >= end, LAST_WORD_TIMEOUT)
     return record, problem, {"start": started - began, "mission": ended - started}
+
+
+class _Nodes:
+    """The four processes, and what to do when one ends or the user has had enough."""
+
+    def __init__(self, group: ProcessGroup, stop: StopRequest, logs: Path) -> None:
+        self._group = group
+        self._stop = stop
+        self._logs = logs
+
+    def start(self, name: str, arguments: Sequence[str], environment: Mapping[str, str]) -> None:
+        command = python_module(MODULES[name], "--ros-args", *arguments)
+        with self._log(name).open("wb") as log:
+            self._group.start(name, command, env=environment, stdout=log, stderr=log)
+
+    def wait(self, until: Callable[[], bool], timeout: float) -> None:
+        """Wait until something has happened, at most `timeout` [s]."""
+        ended = self._group.wait(lambda: self._stop.requested or until(), timeout)
+        if self._stop.requested:
+            raise StoppedError
+        if ended is not None:
+            log = self._log(ended.name)
+            lines = log.read_text(errors="replace").strip().splitlines()[-LOG_LINES:]
+            raise NodeFailedError("\n  ".join([f"{ended}; the end of {log}:", *lines]))
+
+    def _log(self, name: str) -> Path:
+        return self._logs / f"{name}.log"
 
 
 def _arguments(options: DemoOptions) -> dict[str, list[str]]:
@@ -182,86 +208,6 @@ def _rules(node: str, values: Mapping[str, object]) -> list[str]:
         return str(value) if isinstance(value, int) else "'" + str(value).replace("'", "''") + "'"
 
     return [part for name, v in values.items() for part in ("-p", f"{node}:{name}:={text(v)}")]
-
-
-def _wait(
-    group: ProcessGroup, stop: StopRequest, logs: Path, until: object, timeout: float
-) -> None:
-    """Wait until something has happened, at most `timeout` [s]."""
-    assert callable(until)
-    ended = group.wait(lambda: stop.requested or until(), timeout)
-    if stop.requested:
-        raise StoppedError
-    if ended is not None:
-        raise NodeFailedError(_epitaph(ended, logs))
-
-
-def _epitaph(ended: Ended, logs: Path) -> str:
-    log = logs / f"{ended.name}.log"
-    lines = log.read_text(errors="replace").strip().splitlines()[-LOG_LINES:]
-    return "\n  ".join([f"{ended}; {log} ends with:", *(lines or ["(nothing)"])])
-
-
-def _await_nodes(group: ProcessGroup, watch: MissionWatch, stop: StopRequest, logs: Path) -> None:
-    _wait(group, stop, logs, lambda: not watch.missing, START_TIMEOUT)
-    if watch.missing:
-        raise NodeFailedError(f"after {START_TIMEOUT:g} s still missing: {watch.missing}")
-
-
-def _await_last_word(
-    group: ProcessGroup, watch: MissionWatch, stop: StopRequest, logs: Path
-) -> None:
-    """Wait for diagnostics of the simulator from after the end: they tell of contacts."""
-    end = watch.record.time
-
-    def heard() -> bool:
-        return float(watch.record.simulator["time"]) >= end
-
-    _wait(group, stop, logs, heard, LAST_WORD_TIMEOUT)
-
-
-def _print_start(options: DemoOptions, domain: int) -> None:
-    world = options.world
-    rate = f"{options.rate:g} times real time" if options.rate > 0.0 else "as fast as possible"
-    print(
-        f"world '{world.name}' from ({world.start.x:g}, {world.start.y:g}) to "
-        f"({world.goal[0]:g}, {world.goal[1]:g}) m, seed {options.seed}, "
-        f"preset {options.preset}, {rate}{' in lockstep' if options.lockstep else ''}\n"
-        f"to watch: ROS_DOMAIN_ID={domain} {DISCOVERY_RANGE}={os.environ[DISCOVERY_RANGE]}",
-        flush=True,
-    )
-
-
-def _print_perception(p: Perception) -> None:
-    print(
-        f"{p.number:3d}  {p.stamp:8.2f}  {p.pose.x:6.2f}  {p.pose.y:6.2f}  "
-        f"{p.phase.name.lower():8s}  {p.stop.name.lower():11s}  {p.alpha:5.2f}  "
-        f"{p.distance_remaining:8.2f}",
-        flush=True,
-    )
-
-
-def _print_end(
-    record: MissionRecord,
-    options: DemoOptions,
-    problem: str,
-    durations: Mapping[str, float],
-) -> None:
-    verdict = record.verdict
-    if verdict is None:
-        print(f"no verdict: {problem}")
-    else:
-        print(
-            f"{verdict.outcome.name} (true: {options.expected}): {verdict.message}\n"
-            f"{verdict.perceptions} perceptions, {verdict.path_length:.2f} m, "
-            f"{verdict.duration:.1f} s simulated in {durations['mission']:.1f} s"
-        )
-    print(
-        f"least clearance {record.simulator['least_clearance']} m, "
-        f"contacts: {record.simulator['contacts']}\n"
-        f"figures and summary: {options.output}",
-        flush=True,
-    )
 
 
 if __name__ == "__main__":

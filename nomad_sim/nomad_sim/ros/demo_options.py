@@ -44,7 +44,8 @@ exit codes:
   1    another verdict, a contact, or no verdict within --timeout
   2    refused before anything was started: the line says why
   3    a node could not start, or ended before its time
-  130  stopped by SIGINT (Ctrl-C); 143 by SIGTERM. No process is left in any case
+  130  stopped by SIGINT (Ctrl-C) or SIGTERM
+No process is left running in any case.
 """
 
 

@@ -1,0 +1,62 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""What the demonstration says while it runs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from fuzzy_navigation.ros.processes import DISCOVERY_RANGE
+from nomad_sim.ros.demo_options import DemoOptions
+from nomad_sim.ros.mission_record import MissionRecord, Perception
+
+__all__ = ["print_end", "print_header", "print_perception", "print_start"]
+
+
+def print_start(options: DemoOptions, domain: int, discovery_range: str) -> None:
+    """Say what is going to happen, and how to watch it with other tools."""
+    world = options.world
+    rate = f"{options.rate:g} times real time" if options.rate > 0.0 else "as fast as possible"
+    print(
+        f"world '{world.name}' from ({world.start.x:g}, {world.start.y:g}) to "
+        f"({world.goal[0]:g}, {world.goal[1]:g}) m, seed {options.seed}, "
+        f"preset {options.preset}, {rate}{', in lockstep' if options.lockstep else ''}\n"
+        f"to watch: export ROS_DOMAIN_ID={domain} {DISCOVERY_RANGE}={discovery_range}",
+        flush=True,
+    )
+
+
+def print_header() -> None:
+    """Name the columns of `print_perception`."""
+    print("  k  time [s]   x [m]   y [m]  phase     stopped by   alpha  left [m]", flush=True)
+
+
+def print_perception(p: Perception) -> None:
+    """Write a line for a perception: the rung is that of the path that led there."""
+    print(
+        f"{p.number:3d}  {p.stamp:8.2f}  {p.pose.x:6.2f}  {p.pose.y:6.2f}  "
+        f"{p.phase.name.lower():8s}  {p.stop.name.lower():11s}  {p.alpha:5.2f}  "
+        f"{p.distance_remaining:8.2f}",
+        flush=True,
+    )
+
+
+def print_end(
+    record: MissionRecord, options: DemoOptions, problem: str, durations: Mapping[str, float]
+) -> None:
+    """Write the verdict and what it has taken; `problem` is why there is none."""
+    verdict = record.verdict
+    if verdict is None:
+        print(f"no verdict: {problem}")
+    else:
+        print(
+            f"{verdict.outcome.name} (true: {options.expected}): {verdict.message}\n"
+            f"{verdict.perceptions} perceptions, {verdict.path_length:.2f} m, "
+            f"{verdict.duration:.1f} s simulated in {durations['mission']:.1f} s"
+        )
+    print(
+        f"least clearance {record.simulator['least_clearance']} m, "
+        f"contacts: {record.simulator['contacts']}\n"
+        f"figures and summary: {options.output}",
+        flush=True,
+    )
