@@ -16,6 +16,12 @@ from collections.abc import Mapping
 from typing import Final
 
 from builtin_interfaces.msg import Time
+from fuzzy_msgs.srv import PlanPath
+from geometry_msgs.msg import PoseStamped
+from nav_msgs.msg import OccupancyGrid, Path
+from nav_msgs.srv import GetPlan
+from rclpy.node import Node
+
 from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.ros import names, qos
 from fuzzy_map_building.ros.clock import seconds_from_stamp
@@ -23,12 +29,6 @@ from fuzzy_map_building.ros.conversions import Refused, path_to_msg, risk_from_m
 from fuzzy_map_building.ros.diagnostics import Diagnostics
 from fuzzy_map_building.ros.parameters import declare_parameters
 from fuzzy_map_building.ros.run import spin_node
-from fuzzy_msgs.srv import PlanPath
-from geometry_msgs.msg import PoseStamped
-from nav_msgs.msg import OccupancyGrid, Path
-from nav_msgs.srv import GetPlan
-from rclpy.node import Node
-
 from fuzzy_navigation.params import PLANNER_PRESETS, PlannerParameters, planner_parameters
 from fuzzy_navigation.planner import Planner, PlanResult, PlanStatus
 from fuzzy_navigation.ros.requests import requested_pose
@@ -56,7 +56,7 @@ class PlannerNode(Node):
             self, planner_parameters, PLANNER_PRESETS, on_change=self._use_parameters
         )
         self._planner = Planner(_NOWHERE, self._settings.values)
-        self._map: OccupancyGrid | None = None
+        self._map_stamp: Time | None = None
         self._answers: Counter[str] = Counter()
         self._last_time = 0.0
         warm_up()  # before the first request, which would otherwise wait for the compiler
@@ -68,23 +68,17 @@ class PlannerNode(Node):
 
     def _on_map(self, message: OccupancyGrid) -> None:
         try:
-            self._planner = self._planner_on(message, self._settings.values)
+            geometry, risk = risk_from_msg(message, "the planning map")
         except Refused as refusal:
             self._diagnostics.reject(names.PLANNING_MAP, refusal.reason, str(refusal))
             return
-        self._map = message
+        if geometry != self._planner.geometry:
+            self._planner = Planner(geometry, self._settings.values)
+        self._planner.set_map(risk)
+        self._map_stamp = message.header.stamp
 
     def _use_parameters(self, parameters: PlannerParameters) -> None:
-        if self._map is None:
-            self._planner = Planner(_NOWHERE, parameters)
-        else:
-            self._planner = self._planner_on(self._map, parameters)
-
-    def _planner_on(self, message: OccupancyGrid, parameters: PlannerParameters) -> Planner:
-        geometry, risk = risk_from_msg(message, "the planning map")
-        planner = Planner(geometry, parameters)
-        planner.set_map(risk)
-        return planner
+        self._planner.parameters = parameters
 
     def _on_plan_path(
         self, request: PlanPath.Request, response: PlanPath.Response
@@ -141,8 +135,7 @@ class PlannerNode(Node):
         self._answers[result.status.name.lower()] += 1
         if result.status is PlanStatus.BAD_REQUEST:
             self._diagnostics.reject(service, "bad_request", result.message)
-        stamp = Time() if self._map is None else self._map.header.stamp
-        path = path_to_msg(result.poses, stamp)
+        path = path_to_msg(result.poses, self._map_stamp or Time())
         if result.status is PlanStatus.FOUND:
             self._plan_publisher.publish(path)
         return path
@@ -153,12 +146,12 @@ class PlannerNode(Node):
             for status in PlanStatus
         }
         values["last_planning_time"] = f"{self._last_time:.6f}"
-        if self._map is not None:
-            values["map_stamp"] = f"{seconds_from_stamp(self._map.header.stamp):.3f}"
+        if self._map_stamp is not None:
+            values["map_stamp"] = f"{seconds_from_stamp(self._map_stamp):.3f}"
         return values
 
     def _problem(self) -> str:
-        if self._map is not None:
+        if self._map_stamp is not None:
             return ""
         return f"no map has come by '{names.PLANNING_MAP}' yet: is the mapper running?"
 

@@ -4,10 +4,11 @@
 
 from __future__ import annotations
 
+from geometry_msgs.msg import PoseStamped
+
 from fuzzy_map_building.ros import names
 from fuzzy_map_building.ros.conversions import Refused, pose_from_msg
 from fuzzy_map_building.types import Pose2
-from geometry_msgs.msg import PoseStamped
 
 __all__ = ["requested_pose"]
 

@@ -1,0 +1,318 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""The node ``fuzzy_motion``: carries the mission's commands out, one control tick a pose.
+
+The mission (`fuzzy_navigation.mission`) decides; this node tells it what has come and does
+what it says. While a mission runs each pose is answered by exactly one ``cmd_vel``.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import sys
+import time
+from collections import Counter
+from collections.abc import Callable, Mapping
+from typing import Final
+
+import numpy as np
+from geometry_msgs.msg import PoseStamped, Twist
+from nav_msgs.msg import OccupancyGrid
+from numpy.typing import NDArray
+from rclpy.node import Node
+from sensor_msgs.msg import Range
+
+from fuzzy_map_building.grid import GridGeometry
+from fuzzy_map_building.ros import names, qos
+from fuzzy_map_building.ros.clock import create_steady_timer, now_seconds, seconds_from_stamp
+from fuzzy_map_building.ros.conversions import (
+    Refused,
+    range_from_msg,
+    risk_from_msg,
+    stamped_pose_from_msg,
+    twist_to_msg,
+)
+from fuzzy_map_building.ros.diagnostics import Diagnostics
+from fuzzy_map_building.ros.parameters import declare_parameters
+from fuzzy_map_building.ros.run import spin_node
+from fuzzy_navigation.control_tick import ControlTicks, Tick, Untimely
+from fuzzy_navigation.mission import Mission
+from fuzzy_navigation.mission_types import (
+    Commands,
+    Drive,
+    Finish,
+    Outcome,
+    Perceive,
+    Plan,
+)
+from fuzzy_navigation.params import MOTION_PRESETS, MotionParameters, motion_parameters
+from fuzzy_navigation.planner import PlanResult
+from fuzzy_navigation.pose_time import PoseTime
+from fuzzy_navigation.ros.backlog import take_waiting
+from fuzzy_navigation.ros.navigate_server import NavigateServer
+from fuzzy_navigation.ros.partners import MapperClient, PlannerClient
+from fuzzy_navigation.ros.requests import requested_pose
+
+__all__ = ["MotionNode", "main"]
+
+#: Time between two looks at what should have come [s of wall time].
+WATCH_PERIOD: Final = 0.05
+#: Without a tick for so long [s of wall time] the mission is told that time passes.
+SILENCE: Final = 0.2
+#: Time between two feedbacks while nothing changes [s of wall time].
+REPORT_PERIOD: Final = 0.2
+#: Least time between two log lines on why the robot stands [s of wall time].
+LOG_PERIOD: Final = 5.0
+#: Decimals that a float32 carries.
+DECIMALS: Final = 6
+
+
+class MotionNode(Node):
+    """Brings the robot to goals: action ``navigate``, topic ``goal_pose``."""
+
+    def __init__(self) -> None:
+        super().__init__(names.MOTION_NODE)
+        self._settings = declare_parameters(
+            self, motion_parameters, MOTION_PRESETS, on_change=self._use_parameters
+        )
+        parameters = self._settings.values
+        self._frames = parameters.infrared.frame_ids
+        self._ticks = ControlTicks(parameters.infrared.bearings)
+        self._time = PoseTime()
+        self._mission = Mission(parameters)
+        self._stale_parameters = False
+        self._map: tuple[GridGeometry, NDArray[np.float64], float] | None = None
+        self._last_tick = -math.inf
+        self._last_report = -math.inf
+        self._reported: tuple[object, ...] = ()
+        self._missions = 0
+        self._missions_before = 0  # of the mission object that is in use now
+        self._verdicts: dict[int, Callable[[Finish], None]] = {}
+        self._counts: Counter[str] = Counter()
+        self._diagnostics = Diagnostics(self, values=self._values, problem=self._problem)
+        self._cmd_vel = self.create_publisher(Twist, names.CMD_VEL, qos.RELIABLE)
+        self._mapper = MapperClient(self, self._on_perception)
+        self._planner = PlannerClient(self, self._on_plan, self._on_plan_error)
+        self._server = NavigateServer(self, self._begin, self._cancel)
+        self._infrared = self.create_subscription(
+            Range, names.INFRARED, self._on_infrared, qos.RANGES
+        )
+        self.create_subscription(PoseStamped, names.POSE, self._on_pose, qos.RELIABLE)
+        self.create_subscription(OccupancyGrid, names.MOTION_MAP, self._on_map, qos.LATCHED)
+        self.create_subscription(PoseStamped, names.GOAL_POSE, self._on_goal_pose, qos.RELIABLE)
+        create_steady_timer(self, WATCH_PERIOD, self._watch)
+
+    def on_stop(self) -> None:
+        """Make the robot stand and end the mission; called before the node is destroyed."""
+        self._server.close()
+        self._carry_out(self._mission.cancel(self._now(), "the motion node was stopped"))
+
+    # -- what comes -------------------------------------------------------------------------
+
+    def _on_pose(self, message: PoseStamped) -> None:
+        self._take_ranges()  # what was measured before belongs to this pose
+        try:
+            stamp, pose = stamped_pose_from_msg(message)
+            tick = self._ticks.on_pose(self._clock_time(), stamp, pose)
+        except (Refused, Untimely) as refusal:
+            self._diagnostics.reject(names.POSE, refusal.reason, str(refusal))
+            return
+        self._act(tick)
+
+    def _on_infrared(self, message: Range) -> None:
+        self._take_range(message)
+        self._take_ranges()
+
+    def _take_ranges(self) -> None:
+        for message in take_waiting(self._infrared):
+            self._take_range(message)
+
+    def _take_range(self, message: Range) -> None:
+        try:
+            sample = range_from_msg(message, self._frames, what="infrared range")
+            tick = self._ticks.on_range(
+                self._clock_time(), sample.sensor, sample.stamp, sample.range
+            )
+        except (Refused, Untimely) as refusal:
+            self._diagnostics.reject(names.INFRARED, refusal.reason, str(refusal))
+            return
+        self._act(tick)
+
+    def _act(self, tick: Tick | None) -> None:
+        """Run one step of the control."""
+        if tick is None:
+            return
+        self._last_tick = time.monotonic()
+        self._counts["ticks" if tick.complete else "ticks.incomplete"] += 1
+        now = self._time.at_pose(tick.stamp, now_seconds(self), self._last_tick)
+        self._carry_out(self._mission.on_pose(now, tick.pose, tick.readings))
+
+    def _on_map(self, message: OccupancyGrid) -> None:
+        try:
+            geometry, risk = risk_from_msg(message, "the motion map")
+        except Refused as refusal:
+            self._diagnostics.reject(names.MOTION_MAP, refusal.reason, str(refusal))
+            return
+        self._map = (geometry, risk, seconds_from_stamp(message.header.stamp))
+        self._carry_out(self._mission.on_map(self._now(), *self._map))
+
+    def _on_perception(self, request: int, ok: bool, message: str) -> None:
+        self._carry_out(self._mission.on_perception(self._now(), request, ok, message))
+
+    def _on_plan(self, request: int, plan: PlanResult) -> None:
+        self._carry_out(self._mission.on_plan(self._now(), request, plan))
+
+    def _on_plan_error(self, request: int, message: str) -> None:
+        self._carry_out(self._mission.on_plan_error(self._now(), request, message))
+
+    def _watch(self) -> None:
+        """Let time pass, also when nothing comes."""
+        self._mapper.watch()
+        self._planner.watch()
+        if time.monotonic() - self._last_tick > SILENCE:
+            self._carry_out(self._mission.on_tick(self._now()))
+
+    def _use_parameters(self, _: MotionParameters) -> None:
+        self._stale_parameters = True
+        self._refresh()
+
+    # -- goals ------------------------------------------------------------------------------
+
+    def _on_goal_pose(self, message: PoseStamped) -> None:
+        with contextlib.suppress(ValueError):  # counted and logged already
+            self._begin(message, 0.0, lambda _: None, names.GOAL_POSE)
+
+    def _begin(
+        self,
+        goal: PoseStamped,
+        tolerance: float,
+        on_finish: Callable[[Finish], None],
+        source: str = names.NAVIGATE,
+    ) -> int:
+        """Begin a mission, see `navigate_server.Begin`; one that runs gives way."""
+        try:
+            pose = requested_pose(goal, "the goal")
+            if self._map is not None and not self._map[0].contains(pose.x, pose.y):
+                raise Refused(
+                    "outside",
+                    f"the goal ({pose.x:.2f}, {pose.y:.2f}) m lies outside the map, whose bounds "
+                    f"are {self._map[0].bounds} m",
+                )
+            commands = self._mission.start(self._now(), pose, round(tolerance, DECIMALS))
+        except ValueError as error:
+            reason = error.reason if isinstance(error, Refused) else "bad_request"
+            self._diagnostics.reject(source, reason, str(error))
+            raise
+        self._missions += 1
+        mission = self._missions
+        self._verdicts[mission] = on_finish
+        self.get_logger().info(f"mission {mission} to ({pose.x:.2f}, {pose.y:.2f}) m")
+        self._carry_out(commands)
+        self._reported = ()  # the goal's feedback begins with its first tick
+        return mission
+
+    def _cancel(self, mission: int) -> bool:
+        if mission not in self._verdicts:
+            return False
+        self._carry_out(self._mission.cancel(self._now()))
+        return True
+
+    # -- what the mission wants -------------------------------------------------------------
+
+    def _carry_out(self, commands: Commands) -> None:
+        for command in commands:
+            if isinstance(command, Drive):
+                self._cmd_vel.publish(twist_to_msg(command.linear, command.angular))
+            elif isinstance(command, Perceive):
+                self._mapper.ask(command.request, self._settings.values.timeout.server)
+            elif isinstance(command, Plan):
+                assert self._map is not None
+                self._planner.ask(command, self._map[2], self._settings.values.timeout.server)
+            else:
+                self._finish(command)
+        self._report()
+
+    def _finish(self, finish: Finish) -> None:
+        self._mapper.cancel()
+        self._planner.cancel()
+        self._counts[f"missions.{finish.outcome.name.lower()}"] += 1
+        mission = self._missions_before + finish.mission
+        verdict = (
+            f"mission {mission} {finish.outcome.name}: {finish.message} "
+            f"({finish.perceptions} perceptions, {finish.path_length:.2f} m, "
+            f"{finish.duration:.1f} s)"
+        )
+        if finish.outcome is Outcome.REACHED:
+            self.get_logger().info(verdict)
+        else:
+            self.get_logger().warning(verdict)
+        self._verdicts.pop(mission)(finish)
+        self._refresh()
+
+    def _refresh(self) -> None:
+        """Take changed parameters over, as soon as no mission goes by the old ones."""
+        if not self._stale_parameters or self._mission.active:
+            return
+        self._stale_parameters = False
+        self._mission = Mission(self._settings.values)
+        self._missions_before = self._missions
+        if self._map is not None:
+            self._mission.on_map(self._now(), *self._map)
+
+    # -- what it shows ----------------------------------------------------------------------
+
+    def _report(self) -> None:
+        """Publish the state of the mission when it has changed, and now and then."""
+        if not self._mission.active:
+            return
+        feedback = self._mission.feedback()
+        if feedback.hold:
+            self.get_logger().warning(
+                f"the robot stands: {feedback.hold}", throttle_duration_sec=LOG_PERIOD
+            )
+        state = (feedback.phase, feedback.last_stop, feedback.perceptions, feedback.alpha)
+        now = time.monotonic()
+        if state == self._reported and now < self._last_report + REPORT_PERIOD:
+            return
+        self._reported, self._last_report = state, now
+        self._server.report(self._missions, feedback, self.get_clock().now().to_msg())
+
+    def _values(self) -> Mapping[str, object]:
+        feedback = self._mission.feedback()
+        values: dict[str, object] = {
+            "active": self._mission.active,
+            "phase": feedback.phase.name.lower(),
+            "last_stop": feedback.last_stop.name.lower(),
+            "perceptions": feedback.perceptions,
+            "alpha": feedback.alpha,
+            "distance_remaining": f"{feedback.distance_remaining:.3f}",
+        }
+        if self._map is not None:
+            values["map_stamp"] = f"{self._map[2]:.3f}"
+        values.update(sorted(self._counts.items()))
+        return values
+
+    def _problem(self) -> str:
+        if self._mission.active and self._mission.feedback().hold:
+            return f"the robot stands: {self._mission.feedback().hold}"
+        if time.monotonic() - self._last_tick > SILENCE:
+            return f"nothing comes by '{names.POSE}': no goal can be served"
+        return ""
+
+    def _now(self) -> float:
+        """Return the mission's time [s]."""
+        return self._time.now(now_seconds(self), time.monotonic())
+
+    def _clock_time(self) -> float:
+        """Return the clock's time [s], infinite before simulated time has begun."""
+        return now_seconds(self) or math.inf
+
+
+def main() -> int:
+    """Run the node until SIGINT or SIGTERM."""
+    return spin_node(MotionNode)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

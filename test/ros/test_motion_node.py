@@ -1,0 +1,422 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""The motion as a process, with scripted partners: a robot, a mapper, a planner."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+from action_msgs.msg import GoalStatus
+from fuzzy_msgs.action import Navigate
+from fuzzy_msgs.srv import PlanPath
+from geometry_msgs.msg import PoseStamped
+from nav_msgs.msg import OccupancyGrid
+from rcl_interfaces.srv import SetParameters
+from rclpy.parameter import Parameter
+from sensor_msgs.msg import Range
+
+from fuzzy_map_building.ros import names, qos
+from fuzzy_map_building.ros.clock import stamp_from_seconds
+from fuzzy_map_building.ros.conversions import grid_to_msg, pose_to_msg
+from fuzzy_map_building.types import Pose2
+from ros.harness import NodeProcess, Probe, wait_until
+from ros.motion_fakes import FRAMES, GEOMETRY
+from ros.motion_scene import PARAMETERS, RESULT, Scene, goal_at
+
+
+@pytest.fixture(scope="module")
+def stage(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Scene]:
+    """One process for all tests of this module."""
+    log = tmp_path_factory.mktemp("motion") / "motion.log"
+    probe = Probe()
+    motion = NodeProcess("motion", log, parameters=PARAMETERS)
+    try:
+        out = Scene(probe, motion)
+        yield out
+        out.close()
+        motion.assert_clean_stop()
+    finally:
+        motion.close()
+        probe.close()
+
+
+@pytest.fixture
+def scene(stage: Scene) -> Scene:
+    """The process without a goal, the robot where it began."""
+    stage.reset()
+    return stage
+
+
+def test_it_reaches_a_goal_and_says_how(scene: Scene) -> None:
+    handle = scene.send(goal_at(2.55, 2.05), tolerance=0.1)
+    assert handle.accepted
+    answer = scene.result(handle)
+    assert answer.status == GoalStatus.STATUS_SUCCEEDED
+    result = answer.result
+    assert result.outcome == RESULT.REACHED
+    robot = scene.robot
+    assert math.hypot(robot.x - 2.55, robot.y - 2.05) <= 0.1
+    assert robot.stands
+    straight = math.hypot(1.55, 1.05)
+    assert straight - 0.1 <= result.path_length <= 1.4 * straight
+    assert result.perceptions == 1
+    assert result.min_clearance == math.inf
+    assert straight / 0.6 <= result.duration <= 30.0
+    request = scene.planner.requests[-1]
+    assert (request.goal.pose.position.x, request.goal.pose.position.y) == (2.55, 2.05)
+    assert 0.0 < request.tolerance <= 0.1
+
+    phases = [f.phase for f in scene.feedback]
+    first = [phases.index(phase) for phase in (0, 2)]
+    assert first == sorted(first)
+    moving = [f for f in scene.feedback if f.phase == Navigate.Feedback.MOVING]
+    assert {f.perceptions for f in moving} == {1}
+    assert {round(f.alpha, 6) for f in moving} == {0.6}
+    left = [f.distance_remaining for f in moving]
+    assert left == sorted(left, reverse=True)
+    assert moving[-1].pose.header.frame_id == "map"
+
+
+def test_while_it_serves_a_goal_it_answers_every_pose_once_else_never(scene: Scene) -> None:
+    robot = scene.robot
+    assert not robot.commands
+    handle = scene.send(goal_at(2.05, 1.05))
+    wait_until(lambda: robot.commands, "the first command")
+    start = time.monotonic()
+    scene.result(handle)
+    end = time.monotonic()
+    commands = sum(start < t < end for t, _, _ in robot.commands)
+    poses = sum(start < t < end for t in robot.poses)
+    assert poses > 20
+    assert abs(commands - poses) <= 2
+    # Idle again: nothing but silence after the final zero.
+    assert robot.stands
+    count = len(robot.commands)
+    poses = len(robot.poses)
+    wait_until(lambda: len(robot.poses) > poses + 50, "more poses")
+    assert len(robot.commands) == count
+
+
+def test_the_stop_conditions_reach_the_feedback(scene: Scene) -> None:
+    """The map is free to x = 2 m only; the second perception finds the rest free."""
+    scene.mapper.values[:, 20:] = 95
+    handle = scene.send(goal_at(3.05, 1.05))
+    wait_until(lambda: scene.mapper.goals == 2, "a second perception")
+    assert 1.5 < scene.robot.x < 2.0
+    scene.mapper.values[:] = 0
+    result = scene.result(handle).result
+    assert (result.outcome, result.perceptions) == (RESULT.REACHED, 2)
+    assert {f.last_stop for f in scene.feedback} >= {
+        Navigate.Feedback.NONE,
+        Navigate.Feedback.UNEXPLORED,
+    }
+
+
+def test_an_obstacle_in_front_stops_the_robot(scene: Scene) -> None:
+    handle = scene.go(3.05, 1.05)
+    scene.robot.distance = 0.15
+    wait_until(lambda: scene.robot.stands, "the robot to stand")
+    wait_until(
+        lambda: any(f.last_stop == Navigate.Feedback.CLEARANCE for f in scene.feedback),
+        "the reason in the feedback",
+    )
+    scene.robot.distance = math.inf
+    result = scene.result(handle).result
+    assert result.outcome == RESULT.REACHED
+    assert result.min_clearance == pytest.approx(0.15, abs=1e-3)
+
+
+def test_cancel_makes_the_robot_stand_within_200_ms(scene: Scene) -> None:
+    handle = scene.go(3.5, 2.5)
+    begin = time.monotonic()
+    response = scene.probe.result_of(handle.cancel_goal_async(), "an answer to the cancel")
+    answered = time.monotonic()
+    assert len(response.goals_canceling) == 1
+    answer = scene.result(handle)
+    assert answer.status == GoalStatus.STATUS_CANCELED
+    assert answer.result.outcome == RESULT.CANCELED
+    assert "cancel" in answer.result.message
+    wait_until(lambda: scene.robot.stands, "the robot to stand")
+    stood = min(t for t, v, w in scene.robot.commands if t > begin and v == w == 0.0)
+    assert stood - begin < 0.2
+    assert answered - begin < 0.2
+    assert all(v == w == 0.0 for t, v, w in scene.robot.commands if t > stood)
+    # And it serves the next goal.
+    assert scene.result(scene.send(goal_at(1.5, 1.0))).result.outcome == RESULT.REACHED
+
+
+def test_cancel_while_the_mapper_works_cancels_the_perception(scene: Scene) -> None:
+    scene.mapper.behaviour = "hang"
+    handle = scene.send(goal_at(3.5, 2.5))
+    wait_until(lambda: scene.mapper.goals == 1, "the perception to begin")
+    scene.probe.result_of(handle.cancel_goal_async())
+    assert scene.result(handle).result.outcome == RESULT.CANCELED
+    wait_until(lambda: scene.mapper.cancelled == 1, "the perception to be cancelled")
+    assert all(v == w == 0.0 for _, v, w in scene.robot.commands)
+
+
+def test_a_newer_goal_takes_the_place_of_the_older(scene: Scene) -> None:
+    first = scene.go(3.5, 2.5)
+    second = scene.send(goal_at(1.5, 2.0))
+    answer = scene.result(first)
+    assert answer.status == GoalStatus.STATUS_ABORTED
+    assert answer.result.outcome == RESULT.CANCELED
+    assert "newer goal" in answer.result.message
+    assert scene.result(second).result.outcome == RESULT.REACHED
+    assert math.hypot(scene.robot.x - 1.5, scene.robot.y - 2.0) < 0.3
+
+
+def test_the_topic_goal_pose_does_the_same(scene: Scene) -> None:
+    goals = scene.probe.publisher(PoseStamped, names.GOAL_POSE, qos.RELIABLE)
+    first = scene.go(3.5, 2.5)
+    goals.publish(goal_at(1.5, 2.0))
+    assert scene.result(first).result.outcome == RESULT.CANCELED
+    wait_until(lambda: math.hypot(scene.robot.x - 1.5, scene.robot.y - 2.0) < 0.3, "the goal")
+    scene.motion.wait_for_output("REACHED")
+    wait_until(lambda: scene.robot.stands, "the robot to stand")
+
+
+@pytest.mark.parametrize(
+    ("behaviour", "reason"), [("abort", "the mapper aborted it"), ("reject", "rejected it")]
+)
+def test_a_mapper_that_fails_is_asked_again_then_named(
+    scene: Scene, behaviour: str, reason: str
+) -> None:
+    scene.mapper.behaviour = behaviour
+    result = scene.result(scene.send(goal_at(2.0, 2.0))).result
+    assert result.outcome == RESULT.FAILED
+    assert reason in result.message
+    assert scene.mapper.goals == PARAMETERS["attempts"]
+    scene.mapper.behaviour = "succeed"
+    assert scene.result(scene.send(goal_at(2.0, 2.0))).result.outcome == RESULT.REACHED
+
+
+def test_it_plans_on_the_map_of_its_own_perception_only(scene: Scene) -> None:
+    scene.mapper.behaviour = "late_map"  # the action ends before the map comes
+    scene.planner.behind = 3  # and the planner hears of it later still
+    handle = scene.send(goal_at(2.0, 2.0))
+    assert scene.result(handle).result.outcome == RESULT.REACHED
+    assert len(scene.planner.requests) == 4
+
+
+def test_a_planner_that_never_hears_of_the_map_is_named(scene: Scene) -> None:
+    scene.planner.behind = 10**6
+    result = scene.result(scene.send(goal_at(2.0, 2.0))).result
+    assert result.outcome == RESULT.FAILED
+    assert "does it hear 'planning_map'" in result.message
+    assert all(v == w == 0.0 for _, v, w in scene.robot.commands)
+
+
+@pytest.mark.parametrize(
+    ("changes", "outcome", "reason"),
+    [
+        (
+            {"status": PlanPath.Response.NO_PATH, "message": "walled in"},
+            RESULT.UNREACHABLE,
+            "walled in",
+        ),
+        ({"status": PlanPath.Response.BAD_REQUEST, "message": "no"}, RESULT.FAILED, "no"),
+        ({"status": 77}, RESULT.FAILED, "unknown status 77"),
+        ({"alpha": math.nan}, RESULT.FAILED, "impossible alpha"),
+    ],
+)
+def test_what_the_planner_answers_is_heeded(
+    scene: Scene, changes: dict[str, object], outcome: int, reason: str
+) -> None:
+    scene.planner.changes = changes
+    result = scene.result(scene.send(goal_at(2.0, 2.0))).result
+    assert result.outcome == outcome
+    assert reason in result.message
+    assert all(v == w == 0.0 for _, v, w in scene.robot.commands)
+
+
+def test_bad_goals_are_refused_and_the_running_one_goes_on(scene: Scene) -> None:
+    good = scene.go(3.5, 2.5)
+    tilted = goal_at(2.0, 2.0)
+    tilted.pose.orientation.x, tilted.pose.orientation.w = 1.0, 0.0
+    bad = [
+        (goal_at(2.0, 2.0, "odom"), 0.0, "frame 'odom', expected 'map'"),
+        (goal_at(math.nan, 2.0), 0.0, "not finite"),
+        (goal_at(2.0, math.inf), 0.0, "not finite"),
+        (goal_at(-1.0, 2.0), 0.0, "outside the map"),
+        (goal_at(4.05, 2.0), 0.0, "outside the map"),
+        (goal_at(2.0, 1e9), 0.0, "beyond"),
+        (tilted, 0.0, "tilted"),
+        (goal_at(2.0, 2.0), -0.1, "tolerance"),
+        (goal_at(2.0, 2.0), math.nan, "tolerance"),
+        (goal_at(2.0, 2.0), math.inf, "tolerance"),
+    ]
+    for goal, tolerance, reason in bad:
+        answer = scene.result(scene.send(goal, tolerance))
+        assert answer.status == GoalStatus.STATUS_ABORTED
+        assert answer.result.outcome == RESULT.FAILED
+        assert reason in answer.result.message
+    scene.counts(
+        navigate__wrong_frame=1,
+        navigate__not_finite=2,
+        navigate__outside=2,
+        navigate__too_far=1,
+        navigate__tilted=1,
+        navigate__bad_request=3,
+    )
+    goals = scene.probe.publisher(PoseStamped, names.GOAL_POSE, qos.RELIABLE)
+    goals.publish(goal_at(math.nan, 0.0))
+    scene.counts(goal_pose__not_finite=1)
+    assert scene.result(good).result.outcome == RESULT.REACHED
+
+
+def test_bad_poses_and_ranges_are_refused_and_counted(scene: Scene) -> None:
+    handle = scene.go(3.5, 2.5)
+    poses = scene.probe.publisher(PoseStamped, names.POSE, qos.RELIABLE)
+    ranges = scene.probe.publisher(Range, names.INFRARED, qos.RANGES)
+
+    def pose(x: float, stamp: float, frame: str = "map") -> PoseStamped:
+        return pose_to_msg(Pose2(x, 1.0), stamp_from_seconds(stamp), frame)
+
+    nan = pose(1.0, scene.robot.time)
+    nan.pose.position.x = math.nan
+    unstamped = pose(1.0, 0.0)
+    now = scene.robot.time
+    for message in (
+        pose(9.0, now, "odom"),
+        nan,
+        unstamped,
+        pose(9.0, now + 100.0),
+        pose(9.0, now - 0.1),
+    ):
+        poses.publish(message)
+    near = {"range": 0.01, "max_range": 0.8}
+    for frame, stamp in (
+        ("infrared_7", now),
+        ("", now),
+        ("infrared_0", 0.0),
+        ("infrared_0", now + 100.0),
+        ("infrared_0", now - 0.1),
+    ):
+        message = Range(**near)
+        message.header.frame_id = frame
+        message.header.stamp = stamp_from_seconds(stamp)
+        ranges.publish(message)
+    faulty = Range(range=math.nan, max_range=0.8)
+    faulty.header.frame_id, faulty.header.stamp = FRAMES[0], stamp_from_seconds(now + 0.01)
+    ranges.publish(faulty)
+    scene.counts(
+        pose__wrong_frame=1,
+        pose__not_finite=1,
+        pose__no_stamp=1,
+        pose__future=1,
+        pose__out_of_order=1,
+        infrared__unknown_frame=2,
+        infrared__no_stamp=1,
+        infrared__future=1,
+        infrared__out_of_order=1,
+    )
+    # None of them moved or stopped the robot.
+    result = scene.result(handle).result
+    assert (result.outcome, result.min_clearance) == (RESULT.REACHED, math.inf)
+
+
+def test_bad_maps_are_refused_and_the_good_one_stays(scene: Scene) -> None:
+    handle = scene.go(3.5, 2.5)
+    maps = scene.probe.publisher(OccupancyGrid, names.MOTION_MAP, qos.LATCHED)
+    stamp = stamp_from_seconds(scene.robot.time)
+    wall = np.full(GEOMETRY.shape, 100, np.int8)
+
+    def broken(change: Callable[[OccupancyGrid], None]) -> OccupancyGrid:
+        message = grid_to_msg(wall, GEOMETRY, stamp)
+        change(message)
+        return message
+
+    def set_frame(message: OccupancyGrid) -> None:
+        message.header.frame_id = "odom"
+
+    def turn(message: OccupancyGrid) -> None:
+        message.info.origin.orientation.z, message.info.origin.orientation.w = 0.6, 0.8
+
+    def shrink(message: OccupancyGrid) -> None:
+        message.info.width = 7
+
+    def empty(message: OccupancyGrid) -> None:
+        message.info.width = message.info.height = 0
+        message.data = []
+
+    unknown = grid_to_msg(np.full(GEOMETRY.shape, -1, np.int8), GEOMETRY, stamp)
+    reasons = ["wrong_frame", "rotated", "size", "geometry", "unknown"]
+    messages = [*map(broken, (set_frame, turn, shrink, empty)), unknown]
+    for reason, message in zip(reasons, messages, strict=True):
+        maps.publish(message)
+        scene.counts(**{f"motion_map__{reason}": 1})
+    assert scene.result(handle).result.outcome == RESULT.REACHED
+
+
+@pytest.mark.parametrize("source", ["pose", "infrared"])
+def test_silence_makes_the_robot_stand_until_it_ends(scene: Scene, source: str) -> None:
+    handle = scene.go(3.5, 2.5)
+    if source == "pose":
+        scene.robot.poses_come = False
+        reason = "no pose for"
+    else:
+        scene.robot.infrared_come[1] = False
+        reason = "no readings from infrared_1"
+    wait_until(lambda: scene.robot.stands, "the robot to stand")
+    scene.motion.wait_for_output(f"the robot stands: {reason}")
+    scene.robot.poses_come, scene.robot.infrared_come[1] = True, True
+    assert scene.result(handle).result.outcome == RESULT.REACHED
+
+
+@pytest.mark.parametrize("source", ["pose", "infrared", "clock"])
+def test_a_silence_that_does_not_end_ends_the_mission(scene: Scene, source: str) -> None:
+    handle = scene.go(3.5, 2.5)
+    if source == "pose":
+        scene.robot.poses_come = False
+    elif source == "infrared":
+        scene.robot.infrared_come = [False, False]
+    else:
+        scene.robot.clock_runs = False  # the simulator is gone: everything is silent
+    result = scene.result(handle).result
+    assert result.outcome == RESULT.FAILED
+    assert ("infrared_0" if source == "infrared" else "no pose") in result.message
+    assert scene.robot.stands
+
+
+def test_the_diagnostics_say_why_the_robot_stands(scene: Scene) -> None:
+    handle = scene.go(3.5, 2.5)
+    scene.robot.clock_runs = False
+    scene.problem("the robot stands: no pose for")
+    scene.robot.clock_runs = True
+    assert scene.result(handle).result.outcome in (RESULT.REACHED, RESULT.FAILED)
+    values = scene.values()
+    assert values["active"] == "False"
+    assert int(values["ticks"]) > 20
+
+
+def test_a_clock_that_is_set_back_does_no_harm(scene: Scene) -> None:
+    handle = scene.go(3.5, 2.5)
+    scene.robot.time = 1.0
+    assert scene.result(handle).result.outcome == RESULT.REACHED
+    assert scene.result(scene.send(goal_at(1.5, 1.5))).result.outcome == RESULT.REACHED
+
+
+def test_changed_parameters_hold_once_no_mission_goes_by_the_old(scene: Scene) -> None:
+    handle = scene.go(2.0, 1.5)
+
+    def change(name: str, value: Any) -> Any:
+        asked = SetParameters.Request(parameters=[Parameter(name, value=value).to_parameter_msg()])
+        service = f"{names.MOTION_NODE}/set_parameters"
+        return scene.probe.call(SetParameters, service, asked).results[0]
+
+    assert change("follower.max_linear", 0.2).successful
+    refused = change("clearance.override", 0.5)
+    assert not refused.successful
+    assert "clearance.limit" in refused.reason
+    assert not change("infrared.frame_ids", ["a", "b"]).successful
+    assert scene.result(handle).result.outcome == RESULT.REACHED
+    assert max(v for _, v, _ in scene.robot.commands) > 0.3
+    scene.robot.commands.clear()
+    assert scene.result(scene.send(goal_at(3.0, 2.5))).result.outcome == RESULT.REACHED
+    assert max(v for _, v, _ in scene.robot.commands) <= 0.2

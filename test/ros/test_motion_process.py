@@ -1,0 +1,71 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""The motion as a process: missing partners, and its end."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Callable, Iterator
+
+import pytest
+from action_msgs.msg import GoalStatus
+
+from ros.harness import NodeProcess, Probe, wait_until
+from ros.motion_scene import PARAMETERS, RESULT, Scene, goal_at
+
+
+@pytest.fixture
+def make_scene(
+    probe: Probe, start_node: Callable[..., NodeProcess]
+) -> Iterator[Callable[..., Scene]]:
+    """Start a process for this test alone, among the partners that it names."""
+    scenes: list[Scene] = []
+
+    def make(**partners: bool) -> Scene:
+        scenes.append(Scene(probe, start_node("motion", parameters=PARAMETERS), **partners))
+        return scenes[-1]
+
+    yield make
+    for scene in scenes:
+        scene.close()
+
+
+def test_a_missing_mapper_is_named(make_scene: Callable[..., Scene]) -> None:
+    scene = make_scene(mapper=False)
+    answer = scene.result(scene.send(goal_at(2.0, 2.0)))
+    assert answer.status == GoalStatus.STATUS_ABORTED
+    assert answer.result.outcome == RESULT.FAILED
+    assert "nobody serves the action 'build_map'" in answer.result.message
+
+
+def test_a_missing_planner_is_named(make_scene: Callable[..., Scene]) -> None:
+    scene = make_scene(planner=False)
+    result = scene.result(scene.send(goal_at(2.0, 2.0))).result
+    assert result.outcome == RESULT.FAILED
+    assert "nobody serves 'plan_path'" in result.message
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("moving", [True, False], ids=["moving", "perceiving"])
+def test_a_stop_leaves_the_robot_standing(
+    make_scene: Callable[..., Scene], number: signal.Signals, moving: bool
+) -> None:
+    scene = make_scene()
+    if moving:
+        handle = scene.go(3.5, 2.5)
+    else:
+        scene.mapper.behaviour = "hang"
+        handle = scene.send(goal_at(3.5, 2.5))
+        wait_until(lambda: scene.mapper.goals == 1, "the perception to begin")
+    answer = handle.get_result_async()
+    scene.motion.assert_clean_stop(number)
+    wait_until(lambda: scene.robot.stands, "the last command")
+    result = scene.probe.result_of(answer, "the last verdict").result
+    assert result.outcome == RESULT.CANCELED
+    assert "stopped" in result.message
+
+
+def test_an_idle_node_stops_without_a_word_to_the_robot(make_scene: Callable[..., Scene]) -> None:
+    scene = make_scene()
+    scene.motion.assert_clean_stop(signal.SIGINT)
+    assert not scene.robot.commands
