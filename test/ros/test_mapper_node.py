@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -221,6 +221,47 @@ def test_a_perception_that_cannot_be_made_is_aborted_with_a_word(
     diagnostics.wait_for(
         lambda m: message in m.status[0].message, what=f"'{message}' in diagnostics"
     )
+
+
+def test_a_perception_of_faulty_readings_is_none(
+    module_probe: Probe, robot: FakeRobot, build_map: ActionClient, mapper: NodeProcess
+) -> None:
+    robot.measure = lambda sensor, angle: 9.0 if sensor else math.nan
+    status, result = perceive(module_probe, build_map)
+    assert status == GoalStatus.STATUS_ABORTED
+    assert result.perception == 0
+    assert (motion_map(module_probe) == 100).all()
+    mapper.wait_for_output("none of 48 readings gave evidence (3 nan, 45 out_of_range)")
+
+
+def test_a_robot_without_a_turret_perceives_where_its_sonars_look(
+    probe: Probe, start_node: Callable[..., NodeProcess]
+) -> None:
+    start_node(
+        "mapper",
+        parameters={"preset": "lachekhab", "perception.timeout": LONG},
+        remap={"__ns": "/pioneer", "sonar": "/sonar", "pose": "/pose"},
+    ).wait_for_output("mapping")
+    robot = FakeRobot(probe, Pose2(3.0, 3.0), lambda sensor, angle: 1.0 + 0.1 * sensor)
+    client = probe.action_client(BuildMap, "pioneer/build_map")
+    status, result = perceive(probe, client)
+    assert status == GoalStatus.STATUS_SUCCEEDED
+    assert result.readings == 8
+    assert robot.commands == []
+    robot.close()
+    client.destroy()
+    parameters = mapper_parameters("lachekhab")
+    core = FuzzyMapper(parameters.area.geometry(), parameters)
+    core.update(
+        [
+            SonarReading(Pose2(3.0, 3.0), bearing, round(1.0 + 0.1 * sensor, 4))
+            for sensor, bearing in enumerate(parameters.sonar.bearings)
+        ]
+    )
+    message = probe.call(GetMap, "pioneer/planning_map/get", GetMap.Request()).map
+    geometry, values = grid_from_msg(message)
+    assert geometry == core.geometry
+    assert np.abs(values - 100.0 * core.planning_risk).max() <= 1.0
 
 
 def test_save_restart_and_load_restore_the_exact_state(
