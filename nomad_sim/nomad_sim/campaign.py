@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import signal
 import sys
+import textwrap
 import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -40,6 +41,8 @@ from nomad_sim.workers import run_in_parallel
 __all__ = ["main", "run_batch"]
 
 _INTERRUPTED = 128 + signal.SIGINT
+#: Characters in a line above a figure.
+_TITLE_WIDTH = 70
 
 
 def run_batch(batch: Batch, jobs: int) -> BatchResults:
@@ -129,7 +132,7 @@ def _replay(options: Options) -> int:
     log = mission.run(show)
     result = MissionResult.of(log)
     if options.output is not None:
-        verdict = f"{title}: {log.message}"
+        verdict = textwrap.fill(f"{title}: {log.message}", _TITLE_WIDTH)
         save_figure(draw_moments([moment_of(mission)], verdict), options.output / "mission.png")
     document = mission_document(batch, result, log.entries)
     if options.output is not None:
