@@ -31,11 +31,13 @@ from fuzzy_navigation.mission_types import (
     Perceive,
     Phase,
     Plan,
+    Stop,
 )
 from fuzzy_navigation.mission_waiting import Hold, MissionTime, OpenRequest
 from fuzzy_navigation.motion import Motion, PlannedPath
 from fuzzy_navigation.params import MotionParameters
-from fuzzy_navigation.planner import PlanResult, PlanStatus
+from fuzzy_navigation.plan_types import PlanResult, PlanStatus
+from fuzzy_navigation.refused_cells import RefusedCells
 
 __all__ = ["Mission"]
 
@@ -75,6 +77,8 @@ class Mission:
         self._hold = Hold()
         self._asked_at = 0.0
         self._answered = self._map_seen = False
+        keep_out = self._p.robot_radius + self._p.clearance.override
+        self._refused = RefusedCells(self._p.refusal_memory, keep_out)
 
     # -- what can be known ------------------------------------------------------------------
 
@@ -147,6 +151,7 @@ class Mission:
         number, accuracy = self._record.mission + 1, tolerance or self._p.goal_tolerance
         self._record = MissionRecord(number, target, accuracy, self._time.elapsed)
         self._motion.forget()
+        self._refused.forget()
         self._state = _State.WAITING
         refusal = verdicts.outside(self._record, self._area.geometry) if self._area else None
         if refusal:
@@ -257,8 +262,9 @@ class Mission:
         if plan.status == PlanStatus.NO_MAP:
             return tuple(self._failed_once("the planner has no map", plan.message))
         unreachable = plan.status == PlanStatus.NO_PATH
-        outcome = Outcome.UNREACHABLE if unreachable else Outcome.FAILED
-        return tuple(self._finish((outcome, plan.message)))
+        if unreachable and self._refused.release():
+            return tuple(self._plan())
+        return tuple(self._finish(verdicts.no_plan(plan)))
 
     def on_plan_error(self, now: float, request: int, message: str) -> Commands:
         """Take note that no answer comes from the planner."""
@@ -344,7 +350,8 @@ class Mission:
         self._state = _State.PLANNING
         request = self._request.make(self._time.elapsed, self._p.timeout.plan)
         tolerance = self._record.tolerance - ARRIVAL_MARGIN
-        return [Plan(request, self._pose, self._record.goal, tolerance)]
+        barred = self._refused.barred(self._record.perceptions)
+        return [Plan(request, self._pose, self._record.goal, tolerance, barred)]
 
     def _move(self, plan: PlanResult) -> list[Command]:
         assert self._pose is not None
@@ -371,9 +378,7 @@ class Mission:
         if self._motion.stopped is not None:
             return self._stopped()
         if self._motion.stuck:
-            where = f"({pose.x:.2f}, {pose.y:.2f}) m"
-            reason = f"the robot does not do what it is told: it is still at {where}"
-            return self._finish((Outcome.FAILED, reason))
+            return self._finish(verdicts.stuck(pose))
         return [Drive(v, omega)]
 
     def _stopped(self) -> list[Command]:
@@ -386,8 +391,20 @@ class Mission:
         # A cell, less what the follower may stop short of it.
         progress = self._motion.progress >= 0.9 * self._motion.path.resolution
         self._record.stopped(self._motion.stopped, progress)
+        self._remember(progress)
         verdict = verdicts.stalemate(self._record, self._pose, self._p)
         return self._finish(verdict) if verdict else self._perceive()
+
+    def _remember(self, progress: bool) -> None:
+        """Keep in mind where the motion could not go on."""
+        assert self._area is not None
+        perceptions, stop = self._record.perceptions, self._motion.stopped
+        if stop is Stop.CLEARANCE:
+            hits = self._ring.hits(self._time.clock, self._p.timeout.infrared)
+            self._refused.add_obstacle(perceptions, hits, self._area.geometry)
+        elif stop is Stop.UNEXPLORED and not progress:
+            # Seen from the cell before it, and still not known to be free.
+            self._refused.add(perceptions, *self._motion.next_point)
 
     def _finish(self, verdict: verdicts.Verdict) -> list[Command]:
         self._state = _State.IDLE

@@ -76,12 +76,15 @@ class Plan:
         Where the robot stands, and where it is to go [m, rad].
     tolerance : float
         Distance from the goal within which the path may end [m].
+    barred : tuple of (float, float)
+        Positions (x, y) [m] of cells that no path may enter.
     """
 
     request: int
     start: Pose2
     goal: Pose2
     tolerance: float
+    barred: tuple[tuple[float, float], ...] = ()
 
 
 @dataclass(frozen=True)

@@ -136,6 +136,12 @@ class Motion:
         return self._follower.progress
 
     @property
+    def next_point(self) -> tuple[float, float]:
+        """Centre (x, y) [m] of the path's cell behind the last one that is explored."""
+        x, y = self._path.points[min(self._reach + 1, len(self._path.points) - 1)]
+        return float(x), float(y)
+
+    @property
     def remaining(self) -> float:
         """Length of the path to the goal that is left [m]."""
         steps = np.diff(self._path.points[max(self._driven, 0) :], axis=0)

@@ -334,6 +334,13 @@ class MotionParameters:
         minimum=1,
         maximum=100_000,
     )
+    refusal_memory: int = parameter(
+        40,
+        doc="perceptions for which the planner is kept from cells that the motion could not "
+        "enter; 0: not at all, as in the paper",
+        minimum=0,
+        maximum=100_000,
+    )
     attempts: int = parameter(
         3,
         doc="how often in a row a perception or a plan may fail before the mission does",

@@ -11,8 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from enum import IntEnum
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.types import Pose2
 from fuzzy_navigation.params import PlannerParameters
+from fuzzy_navigation.plan_types import PlanResult, PlanStatus, RiskLayer
 from fuzzy_navigation.risk import augment, checked_risk, path_risks
 from fuzzy_navigation.search import COSTS, admissible_cells, find_path, first_reachable
 
@@ -29,66 +29,6 @@ __all__ = ["PlanResult", "PlanStatus", "Planner", "RiskLayer"]
 _ADJACENCY = {"g1": 8, "g2": 8, "g3": 4}
 # Decimals that survive a float32 message: an alpha of 0.7 must not arrive as 0.69999999.
 _DECIMALS = 6
-
-
-class PlanStatus(IntEnum):
-    """Outcome of a request, with the numbers of ``PlanPath.srv``."""
-
-    FOUND = 0
-    NO_PATH = 1
-    START_OUTSIDE = 2
-    GOAL_OUTSIDE = 3
-    NO_MAP = 4
-    BAD_REQUEST = 5
-
-
-@dataclass(frozen=True)
-class RiskLayer:
-    """A second layer of risk over the augmented planning map, for one request.
-
-    Parameters
-    ----------
-    cut : array_like, shape (H, W)
-        A cell is admissible by the larger of its risk and this; may exceed 1.
-    cost : array_like, shape (H, W)
-        A path pays the larger of a cell's risk and this, in [0, 1].
-    """
-
-    cut: ArrayLike
-    cost: ArrayLike
-
-
-@dataclass(frozen=True)
-class PlanResult:
-    """Answer to a request.
-
-    Parameters
-    ----------
-    status : PlanStatus
-        What came of it.
-    message : str
-        The same in words: what happened, where, and what can be done.
-    path : ndarray of int64, shape (n, 2)
-        Cells (row, column), start and goal included; n = 0 unless found.
-    poses : tuple of Pose2
-        Centres of the path's cells [m], each heading to the next [rad].
-    g1, g2, g3 : float
-        Costs of the path on M_p^a + epsilon; infinite unless found.
-    alpha : float
-        Rung that the path was found on, else the last one that was tried; 0 if none was.
-    expanded : int
-        Number of cells expanded.
-    """
-
-    status: PlanStatus
-    message: str
-    path: NDArray[np.int64] = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
-    poses: tuple[Pose2, ...] = ()
-    g1: float = math.inf
-    g2: float = math.inf
-    g3: float = math.inf
-    alpha: float = 0.0
-    expanded: int = 0
 
 
 @dataclass(frozen=True)
@@ -104,6 +44,7 @@ class _Request:
     tolerance: float
     cut: NDArray[np.float64] | None
     paid: NDArray[np.float64] | None
+    barred: NDArray[np.bool_] | None
 
 
 class Planner:
@@ -185,6 +126,7 @@ class Planner:
         adjacency: int = 0,
         tolerance: float = 0.0,
         layer: RiskLayer | None = None,
+        barred: ArrayLike = (),
     ) -> PlanResult:
         """Answer a request for a path; never raises for what the request holds.
 
@@ -204,13 +146,16 @@ class Planner:
             that holds the goal always counts as within.
         layer : RiskLayer, optional
             Risks that come on top of the map's.
+        barred : array_like, shape (n, 2), optional
+            Positions (x, y) [m] whose cells no path may enter; those outside the map do not
+            count. The start's cell stays admissible.
 
         Returns
         -------
         PlanResult
         """
         try:
-            request = self._checked(start, goal, cost, alpha, adjacency, tolerance, layer)
+            request = self._checked(start, goal, cost, alpha, adjacency, tolerance, layer, barred)
         except (TypeError, ValueError) as error:
             return PlanResult(PlanStatus.BAD_REQUEST, f"request refused: {error}")
         if self._augmented is None:
@@ -250,6 +195,7 @@ class Planner:
         adjacency: int,
         tolerance: float,
         layer: RiskLayer | None,
+        barred: ArrayLike,
     ) -> _Request:
         """Return the request with its defaults filled in, or raise ValueError."""
         p = self._parameters
@@ -282,7 +228,23 @@ class Planner:
             tolerance=round(float(tolerance), _DECIMALS) or p.tolerance,
             cut=cut,
             paid=paid,
+            barred=self._bars(barred),
         )
+
+    def _bars(self, positions: ArrayLike) -> NDArray[np.bool_] | None:
+        """Return the cells that no path may enter, shape (H, W); None: there are none."""
+        xy = np.asarray(positions, dtype=np.float64)
+        if xy.size == 0:
+            return self._barred
+        if xy.ndim != 2 or xy.shape[1] != 2:
+            raise ValueError(f"barred positions have the shape (any, 2), got {xy.shape}")
+        if not np.isfinite(xy).all():
+            raise ValueError("barred positions must be finite [m]")
+        cells, inside = self.geometry.cells_of(xy)
+        none = np.zeros(self.geometry.shape, dtype=np.bool_)
+        bars = none if self._barred is None else self._barred.copy()
+        bars[cells[inside, 0], cells[inside, 1]] = True
+        return bars
 
     def _climb(self, request: _Request, risk: NDArray[np.float64]) -> PlanResult:
         """Try rung after rung until there is a path."""
@@ -292,7 +254,7 @@ class Planner:
         start = self.geometry.cell_of(*request.start)
         ends = self._goal_cells(request.goal, request.tolerance)
         for rung in request.rungs:
-            admissible = admissible_cells(cut, rung, self._barred)
+            admissible = admissible_cells(cut, rung, request.barred)
             admissible[start] = True
             end = first_reachable(admissible, start, ends, request.adjacency, p.corner_cutting)
             if end is None:
@@ -308,7 +270,7 @@ class Planner:
                 diagonal=p.diagonal,
                 corner_cutting=p.corner_cutting,
                 cut=cut,
-                barred=self._barred,
+                barred=request.barred,
             )
             message = f"path of {len(found.path)} cells at alpha {rung:g}"
             if rung != request.rungs[0]:

@@ -9,8 +9,9 @@ from fuzzy_map_building.types import Pose2
 from fuzzy_navigation.mission_record import MissionRecord
 from fuzzy_navigation.mission_types import Outcome
 from fuzzy_navigation.params import MotionParameters
+from fuzzy_navigation.plan_types import PlanResult, PlanStatus
 
-__all__ = ["Verdict", "arrival", "exhaustion", "outside", "stalemate"]
+__all__ = ["Verdict", "arrival", "exhaustion", "no_plan", "outside", "stalemate", "stuck"]
 
 Verdict = tuple[Outcome, str]
 
@@ -34,6 +35,18 @@ def arrival(record: MissionRecord, pose: Pose2) -> Verdict | None:
     if distance > record.tolerance:
         return None
     return Outcome.REACHED, f"the robot stands {distance:.3f} m from the goal"
+
+
+def no_plan(plan: PlanResult) -> Verdict:
+    """Return the verdict on a request to the planner that brought no path."""
+    unreachable = plan.status == PlanStatus.NO_PATH
+    return Outcome.UNREACHABLE if unreachable else Outcome.FAILED, plan.message
+
+
+def stuck(pose: Pose2) -> Verdict:
+    """Return the verdict on a robot that is driven and does not come on."""
+    where = f"({pose.x:.2f}, {pose.y:.2f}) m"
+    return Outcome.FAILED, f"the robot does not do what it is told: it is still at {where}"
 
 
 def stalemate(record: MissionRecord, pose: Pose2, parameters: MotionParameters) -> Verdict | None:

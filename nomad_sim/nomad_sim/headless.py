@@ -179,7 +179,6 @@ class HeadlessMission:
         self.verdict: Finish | None = None
         self._perception = _Perception(p)
         self._drive = Drive(0.0, 0.0)
-        self._sensors = range(len(self.simulator.parameters.infrared.bearings))
         self._handle(self.mission.start(self.simulator.time, self.goal))
 
     def tick(self) -> None:
@@ -194,7 +193,7 @@ class HeadlessMission:
         bearings = simulator.parameters.infrared.bearings
         infrared = [
             InfraredReading(pose, bearings[i], float(value), now, i)
-            for i, value in zip(self._sensors, simulator.infrared())
+            for i, value in enumerate(simulator.infrared())
         ]
         self._handle(self.mission.on_pose(now, pose, infrared))
 
@@ -237,7 +236,10 @@ class HeadlessMission:
                 self._perception.start(self.simulator.time, command.request)
             elif isinstance(command, Plan):
                 plan = self.planner.plan(
-                    command.start, command.goal, tolerance=command.tolerance
+                    command.start,
+                    command.goal,
+                    tolerance=command.tolerance,
+                    barred=command.barred,
                 )
                 now = self.simulator.time
                 self._handle(self.mission.on_plan(now, command.request, plan))
@@ -366,9 +368,7 @@ def run_mission(
     return HeadlessMission(world, start, goal, seed, **options).run(**run)
 
 
-def random_start(
-    world: World, seed: int, spread: float = 0.3, clearance: float = 0.05
-) -> Pose2:
+def random_start(world: World, seed: int, spread: float = 0.3, clearance: float = 0.05) -> Pose2:
     """Draw a start pose around the world's.
 
     Parameters

@@ -18,6 +18,7 @@ from action_msgs.msg import GoalStatus
 from builtin_interfaces.msg import Time
 from fuzzy_msgs.action import BuildMap
 from fuzzy_msgs.srv import PlanPath
+from geometry_msgs.msg import Point
 from rclpy.action import ActionClient
 from rclpy.action.client import ClientGoalHandle
 from rclpy.node import Node
@@ -185,6 +186,7 @@ class PlannerClient:
             start=pose_to_msg(plan.start, Time()),
             goal=pose_to_msg(plan.goal, Time()),
             tolerance=plan.tolerance,
+            barred=[Point(x=x, y=y) for x, y in plan.barred],
         )
         self._future = self._client.call_async(request)
         self._future.add_done_callback(self._on_response)

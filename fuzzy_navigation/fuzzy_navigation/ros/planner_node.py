@@ -12,7 +12,7 @@ from __future__ import annotations
 import sys
 import time
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 from builtin_interfaces.msg import Time
@@ -92,6 +92,7 @@ class PlannerNode(Node):
                 request.alpha,
                 request.adjacency,
                 request.tolerance,
+                [(point.x, point.y) for point in request.barred],
             )
         else:
             known = ", ".join(map(str, sorted(_COSTS)))
@@ -123,12 +124,13 @@ class PlannerNode(Node):
         alpha: float = 0.0,
         adjacency: int = 0,
         tolerance: float = 0.0,
+        barred: Sequence[tuple[float, float]] = (),
     ) -> PlanResult:
         try:
             poses = requested_pose(start, "the start"), requested_pose(goal, "the goal")
         except Refused as refusal:
             return _bad_request(str(refusal))
-        return self._planner.plan(*poses, cost, alpha, adjacency, tolerance)
+        return self._planner.plan(*poses, cost, alpha, adjacency, tolerance, barred=barred)
 
     def _answer(self, service: str, result: PlanResult) -> Path:
         """Count and publish a result, and return its path."""
