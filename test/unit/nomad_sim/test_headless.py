@@ -1,0 +1,162 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""The loop in one process: repeatable, and put together as said."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fuzzy_map_building.types import Pose2
+from fuzzy_navigation.mission_types import Outcome
+from nomad_sim.headless import CONTROL_PERIOD, HeadlessMission, random_start, run_mission
+from nomad_sim.simulator import Simulator
+from nomad_sim.world import World
+from nomad_sim.world_io import load_world
+
+
+@pytest.fixture
+def room(small: Path) -> World:
+    return load_world(small)
+
+
+def test_the_same_seed_gives_the_same_log(room: World) -> None:
+    one, other = (run_mission(room, seed=4) for _ in range(2))
+    for name in ("outcome", "message", "entries", "path_length", "min_clearance", "duration"):
+        assert getattr(one, name) == getattr(other, name), name
+    for name in ("travelled", "motion_risk", "planning_risk"):
+        assert (getattr(one, name) == getattr(other, name)).all(), name
+
+
+def test_another_seed_gives_other_maps(room: World) -> None:
+    one, other = (run_mission(room, seed=seed) for seed in (4, 5))
+    assert one.motion_risk.shape == other.motion_risk.shape
+    assert (one.motion_risk != other.motion_risk).any()
+
+
+def test_a_world_is_found_by_name_by_file_and_as_it_is(small: Path) -> None:
+    for world in (small, str(small), load_world(small)):
+        assert HeadlessMission(world).world.name == "small"
+    assert HeadlessMission("lab").world.name == "lab"
+
+
+def test_the_log_tells_what_happened(room: World) -> None:
+    start = Pose2(0.8, 0.6, 1.0)
+    seen: list[int] = []
+    poses: list[tuple[float, float]] = []
+    mission = HeadlessMission(room, start, (2.2, 1.7), seed=1)
+
+    def note(now: HeadlessMission) -> None:
+        assert now is mission
+        seen.append(now.mission.log[-1].perception)
+        poses.append((now.simulator.pose.x, now.simulator.pose.y))
+
+    log = mission.run(note)
+    assert (log.world, log.seed, log.start, log.goal) == ("small", 1, start, (2.2, 1.7))
+    assert log.outcome is Outcome.REACHED
+    assert log.reached
+    assert log.truthful
+    assert seen == [entry.perception for entry in log.entries]
+    assert seen == list(range(1, log.perceptions + 1))
+    # The robot stands still while it perceives.
+    for entry, pose in zip(log.entries, poses, strict=True):
+        assert (entry.pose.x, entry.pose.y) == pytest.approx(pose, abs=1e-6)
+    # The way: from the start to near the goal, its length that of its pieces.
+    assert log.travelled[0] == pytest.approx((start.x, start.y), abs=0.01)
+    end = mission.simulator.pose
+    assert math.hypot(end.x - 2.2, end.y - 1.7) <= 0.3
+    pieces = np.hypot(*np.diff(log.travelled, axis=0).T)
+    assert log.path_length == pytest.approx(pieces.sum(), rel=0.02, abs=0.03)
+    assert log.duration == pytest.approx(mission.simulator.time, abs=2 * CONTROL_PERIOD)
+    assert log.contacts == 0
+    assert log.min_clearance == mission.simulator.least_clearance
+
+
+def test_a_verdict_against_the_world_is_not_true(misjudged: Path) -> None:
+    log = run_mission(misjudged)
+    assert (log.outcome, log.truthful) == (Outcome.REACHED, False)
+
+
+def test_too_long_a_mission_is_cancelled(room: World) -> None:
+    log = run_mission(room, time_limit=2.0)
+    assert log.outcome is Outcome.CANCELED
+    assert "2 s" in log.message
+    assert not log.truthful
+    assert 2.0 < log.duration < 2.0 + 3 * CONTROL_PERIOD
+
+
+def test_maps_reach_the_planner_as_messages_carry_them(room: World) -> None:
+    """In whole percent, of the area that the world has."""
+    mission = HeadlessMission(room, seed=2, planner={"robot_radius": 0.0})
+    mission.run()
+    geometry = mission.mapper.geometry
+    assert (geometry.width, geometry.height) == (30, 24)
+    risk = mission.planner.augmented_risk
+    assert risk is not None
+    assert risk == pytest.approx(np.round(100.0 * mission.mapper.planning_risk) / 100.0, abs=1e-9)
+    assert 0.0 < risk.max() <= 1.0
+
+
+def test_single_parameters_override_the_preset(room: World) -> None:
+    mission = HeadlessMission(
+        room,
+        mapper={"evidence.k_empty": 0.3, "area.size_x": 2.9},
+        planner={"epsilon": 0.1},
+        motion={"perception_cap": 1},
+        simulator={"noise": False},
+        seed=9,
+    )
+    assert mission.mapper.parameters.evidence.k_empty == 0.3
+    assert mission.mapper.geometry.width == 29
+    assert mission.planner.parameters.epsilon == 0.1
+    assert (mission.simulator.parameters.seed, mission.simulator.parameters.noise) == (9, False)
+    log = mission.run()
+    assert (log.outcome, log.perceptions) == (Outcome.UNREACHABLE, 1)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"preset": "orolo1998"}, "did you mean 'oriolo1998'"),
+        ({"mapper": {"evidence.kempty": 1.0}}, "did you mean 'evidence.k_empty'"),
+        ({"planner": {"epsilom": 1.0}}, "did you mean 'epsilon'"),
+        ({"motion": {"beta": 2.0}}, "at most"),
+        ({"simulator": {"noize": True}}, "did you mean 'noise'"),
+        ({"start": Pose2(0.1, 0.1, 0.0)}, "overlap an obstacle"),
+    ],
+)
+def test_what_does_not_fit_is_refused(room: World, options: dict, message: str) -> None:  # type: ignore[type-arg]
+    with pytest.raises(ValueError, match=message):
+        HeadlessMission(room, **options)
+
+
+def test_random_starts_are_near_clear_and_repeatable() -> None:
+    lab = load_world("lab")
+    starts = [random_start(lab, seed) for seed in range(1, 41)]
+    assert starts == [random_start(lab, seed) for seed in range(1, 41)]
+    assert len({(s.x, s.y, s.theta) for s in starts}) == 40
+    for start in starts:
+        assert max(abs(start.x - 1.25), abs(start.y - 5.25)) <= 0.3
+        assert Simulator(lab, start=start).clearance() >= 0.05
+    # Drawn from all of the square and of the circle.
+    assert max(abs(s.x - 1.25) for s in starts) > 0.2
+    assert min(s.theta for s in starts) < -2.0 < 2.0 < max(s.theta for s in starts)
+
+
+def test_a_start_keeps_its_distance_where_it_is_narrow(room: World) -> None:
+    """Drawn from all of the room, none is nearer to a wall than asked."""
+    for seed in range(30):
+        start = random_start(room, seed, spread=3.0, clearance=0.6)
+        # Room for the centre: 0.23 + 0.6 m from walls 5 cm outside.
+        assert 0.78 <= start.x <= 2.22
+        assert 0.78 <= start.y <= 1.62
+
+
+def test_no_room_for_a_start_is_told(room: World) -> None:
+    with pytest.raises(ValueError, match=r"no start with 2 m of clearance .* 'small'"):
+        random_start(room, 1, clearance=2.0)
+    elsewhere = replace(room, start=Pose2(50.0, 50.0, 0.0))
+    with pytest.raises(ValueError, match="no start"):
+        random_start(elsewhere, 1)
