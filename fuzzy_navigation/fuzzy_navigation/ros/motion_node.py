@@ -63,7 +63,7 @@ SILENCE: Final = 0.2
 #: Time between two feedbacks while nothing changes [s of wall time].
 REPORT_PERIOD: Final = 0.2
 #: Least time between two log lines on why the robot stands [s of wall time].
-LOG_PERIOD: Final = 5.0
+LOG_PERIOD: Final = 1.0
 #: Decimals that a float32 carries.
 DECIMALS: Final = 6
 
@@ -86,6 +86,7 @@ class MotionNode(Node):
         self._last_tick = -math.inf
         self._last_report = -math.inf
         self._reported: tuple[object, ...] = ()
+        self._held = False
         self._missions = 0
         self._missions_before = 0  # of the mission object that is in use now
         self._verdicts: dict[int, Callable[[Finish], None]] = {}
@@ -267,10 +268,11 @@ class MotionNode(Node):
         if not self._mission.active:
             return
         feedback = self._mission.feedback()
-        if feedback.hold:
+        if feedback.hold and not self._held:
             self.get_logger().warning(
                 f"the robot stands: {feedback.hold}", throttle_duration_sec=LOG_PERIOD
             )
+        self._held = bool(feedback.hold)
         state = (feedback.phase, feedback.last_stop, feedback.perceptions, feedback.alpha)
         now = time.monotonic()
         if state == self._reported and now < self._last_report + REPORT_PERIOD:

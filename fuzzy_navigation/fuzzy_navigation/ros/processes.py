@@ -29,7 +29,14 @@ from dataclasses import dataclass
 from types import TracebackType
 from typing import IO, Final
 
-__all__ = ["DISCOVERY_RANGE", "Ended", "ProcessGroup", "child_environment", "python_module"]
+__all__ = [
+    "CLEAN_ENDS",
+    "DISCOVERY_RANGE",
+    "Ended",
+    "ProcessGroup",
+    "child_environment",
+    "python_module",
+]
 
 #: Environment variable that limits where DDS looks for others.
 DISCOVERY_RANGE: Final = "ROS_AUTOMATIC_DISCOVERY_RANGE"
@@ -37,6 +44,9 @@ DISCOVERY_RANGE: Final = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 GRACE: Final = 10.0
 #: Time between two looks at the processes [s].
 PERIOD: Final = 0.02
+#: Exit codes of a process that was asked to end: one that had not got as far as to handle
+#: the signal ends by it.
+CLEAN_ENDS: Final = (0, -signal.SIGTERM)
 
 # Reads "+pid" and "-pid" lines until the pipe breaks, then ends the groups still listed:
 # the clean stop first, so that a robot is left standing.

@@ -1,0 +1,138 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""Starts mapper, planner and motion for a real robot, and keeps the three together.
+
+The robot's own drivers run elsewhere; topics are brought together by remapping::
+
+    bringup --preset oriolo1998 --params-file robot.yaml --namespace robot1 \
+        --ros-args -r pose:=/localisation/pose
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Final
+
+from fuzzy_map_building.parameter_schema import suggest
+from fuzzy_map_building.params import PRESETS as MAPPER_PRESETS
+from fuzzy_map_building.ros.run import EXIT_REFUSED, stop_on_signals
+from fuzzy_navigation.params import MOTION_PRESETS, PLANNER_PRESETS
+from fuzzy_navigation.ros.processes import CLEAN_ENDS, ProcessGroup, python_module
+
+__all__ = ["NODES", "main", "node_commands"]
+
+_ROS_ARGS: Final = "--ros-args"
+
+#: Module of each node, and the presets that it knows.
+NODES: Final[Mapping[str, tuple[str, Mapping[str, Mapping[str, Any]]]]] = {
+    "mapper": ("fuzzy_map_building.ros.mapper_node", MAPPER_PRESETS),
+    "planner": ("fuzzy_navigation.ros.planner_node", PLANNER_PRESETS),
+    "motion": ("fuzzy_navigation.ros.motion_node", MOTION_PRESETS),
+}
+
+
+def node_commands(
+    preset: str = "",
+    params_files: Sequence[str | Path] = (),
+    namespace: str = "",
+    ros_arguments: Sequence[str] = (),
+) -> dict[str, list[str]]:
+    """Return the command of each of the three nodes by name.
+
+    Parameters
+    ----------
+    preset : str
+        Preset of every node that knows one of this name; empty: the nodes' defaults.
+    params_files : sequence of str or Path
+        Parameter files, given to all nodes; a later file overrides an earlier one.
+    namespace : str
+        Namespace of the nodes, with or without the slash in front; empty: none.
+    ros_arguments : sequence of str
+        What else to give to all of them, as after ``--ros-args``.
+
+    Raises
+    ------
+    ValueError
+        If no node knows the preset, or a file does not exist.
+    """
+    known = sorted({name for _, presets in NODES.values() for name in presets})
+    if preset and preset not in known:
+        raise ValueError(f"unknown preset '{preset}'{suggest(preset, known)}")
+    common: list[str] = []
+    for file in params_files:
+        if not Path(file).is_file():
+            raise ValueError(f"there is no parameter file '{file}'")
+        common += ["--params-file", str(file)]
+    if namespace:
+        common += ["-r", f"__ns:=/{namespace.strip('/')}"]
+    commands = {}
+    for name, (module, presets) in NODES.items():
+        chosen = ["-p", f"preset:={preset}"] if preset in presets else []
+        arguments = [*common, *chosen, *ros_arguments]
+        commands[name] = python_module(module, *([_ROS_ARGS, *arguments] if arguments else []))
+    return commands
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the three nodes until SIGINT or SIGTERM, or until one of them ends.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        Command line without the program's name; that of the process when None.
+
+    Returns
+    -------
+    int
+        0 if all nodes ran until the signal and then ended cleanly; 2 if the command line
+        was refused; else the exit code of the node that failed, 1 if a signal killed it.
+    """
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    split = given.index(_ROS_ARGS) if _ROS_ARGS in given else len(given)
+    options = _parser().parse_args(given[:split])
+    try:
+        commands = node_commands(
+            options.preset, options.params_file, options.namespace, given[split + 1 :]
+        )
+    except ValueError as error:
+        print(f"bringup: {error}", file=sys.stderr, flush=True)
+        return EXIT_REFUSED
+    with stop_on_signals() as stop, ProcessGroup() as group:
+        for name, command in commands.items():
+            group.start(name, command)
+        print(f"bringup: started {', '.join(commands)}; Ctrl-C stops them", flush=True)
+        first = group.wait(lambda: stop.requested)
+        if first is not None:
+            print(f"bringup: {first}; stopping the others", file=sys.stderr, flush=True)
+        group.stop()
+    if first is not None:
+        return first.code if first.code > 0 else 1
+    failed = [ended for ended in group.ended if ended.code not in CLEAN_ENDS]
+    for ended in failed:
+        print(f"bringup: {ended}", file=sys.stderr, flush=True)
+    return 1 if failed else 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="bringup",
+        description="Starts mapper, planner and motion for a real robot.",
+        epilog="What follows --ros-args goes to all three nodes, e.g. -r pose:=/localisation/pose",
+    )
+    parser.add_argument("--preset", default="", help="set of values that parameters start from")
+    parser.add_argument(
+        "--params-file",
+        action="append",
+        default=[],
+        metavar="FILE",
+        help="YAML file with parameters; may be given several times",
+    )
+    parser.add_argument("--namespace", default="", help="namespace of the robot")
+    return parser
+
+
+if __name__ == "__main__":
+    sys.exit(main())

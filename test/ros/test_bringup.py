@@ -1,0 +1,153 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""Bringup: three nodes that start together and end together."""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from diagnostic_msgs.msg import DiagnosticArray
+
+from fuzzy_map_building.ros import names, qos
+from fuzzy_navigation.ros.bringup import NODES, node_commands
+from ros.harness import NodeProcess, Probe, Received, wait_until
+
+STARTED = {names.MAPPER_NODE, names.PLANNER_NODE, names.MOTION_NODE}
+
+
+def children(pid: int) -> dict[str, int]:
+    """Return the ids of the nodes that a process has started, by name."""
+    out: dict[str, int] = {}
+    for entry in Path("/proc").glob("[0-9]*"):
+        try:
+            parent = int((entry / "stat").read_text().rpartition(")")[2].split()[1])
+            command = (entry / "cmdline").read_bytes().decode()
+        except (OSError, ValueError):
+            continue
+        for name, (module, _) in NODES.items():
+            if parent == pid and module in command:
+                out[name] = int(entry.name)
+    return out
+
+
+def alive(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+class Robot:
+    """A bringup and the diagnostics of its nodes."""
+
+    def __init__(
+        self, probe: Probe, start_node: Callable[..., NodeProcess], *arguments: str, ns: str = ""
+    ) -> None:
+        self.diagnostics: Received[DiagnosticArray] = probe.subscribe(
+            DiagnosticArray, ns + names.DIAGNOSTICS, qos.RELIABLE
+        )
+        self.process = start_node("bringup", arguments=list(arguments))
+
+    def heard(self) -> set[str]:
+        return {status.name for array in self.diagnostics.messages for status in array.status}
+
+    def wait(self) -> dict[str, int]:
+        """Wait until all nodes run; return their process ids."""
+        wait_until(lambda: self.heard() == STARTED, f"all nodes, of {self.heard()}", 60.0)
+        nodes = children(self.process.pid)
+        assert nodes.keys() == NODES.keys()
+        return nodes
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_all_of_them(
+    probe: Probe, start_node: Callable[..., NodeProcess], number: signal.Signals
+) -> None:
+    robot = Robot(probe, start_node)
+    nodes = robot.wait()
+    robot.process.assert_clean_stop(number)
+    assert not any(map(alive, nodes.values()))
+
+
+def test_the_end_of_one_ends_all(probe: Probe, start_node: Callable[..., NodeProcess]) -> None:
+    robot = Robot(probe, start_node)
+    nodes = robot.wait()
+    os.kill(nodes["planner"], signal.SIGKILL)
+    assert robot.process.wait() == 1
+    assert "planner was killed by SIGKILL; stopping the others" in robot.process.output()
+    assert not any(map(alive, nodes.values()))
+
+
+def test_nothing_is_left_when_bringup_itself_is_killed(
+    probe: Probe, start_node: Callable[..., NodeProcess]
+) -> None:
+    robot = Robot(probe, start_node)
+    nodes = robot.wait()
+    robot.process.send(signal.SIGKILL)
+    robot.process.wait()
+    wait_until(lambda: not any(map(alive, nodes.values())), "the end of the nodes")
+
+
+def test_a_signal_right_after_the_start_ends_all_of_them(
+    start_node: Callable[..., NodeProcess],
+) -> None:
+    process = start_node("bringup")
+    process.wait_for_output("bringup: started mapper, planner, motion")
+    nodes = children(process.pid)
+    process.assert_clean_stop(signal.SIGINT)
+    assert not any(map(alive, nodes.values()))
+
+
+def test_namespace_files_and_remappings_reach_the_nodes(
+    probe: Probe, start_node: Callable[..., NodeProcess], tmp_path: Path
+) -> None:
+    file = tmp_path / "robot.yaml"
+    file.write_text("/**/fuzzy_planner:\n  ros__parameters:\n    cost: g1\n")
+    arguments = ["--preset", "oriolo1998", "--params-file", str(file), "--namespace", "robot1"]
+    remap = ["--ros-args", "-r", "pose:=/localisation"]
+    robot = Robot(probe, start_node, *arguments, *remap, ns="/robot1/")
+    robot.wait()
+    subscribers = probe.node.get_subscriptions_info_by_topic("/localisation")
+    assert {info.node_name for info in subscribers} == {names.MAPPER_NODE, names.MOTION_NODE}
+    planner = probe.node.get_service_names_and_types_by_node(names.PLANNER_NODE, "/robot1")
+    assert "/robot1/plan_path" in {name for name, _ in planner}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "reason"),
+    [
+        (["--preset", "oriol"], "unknown preset 'oriol'; did you mean 'oriolo1998'?"),
+        (["--params-file", "nowhere.yaml"], "there is no parameter file 'nowhere.yaml'"),
+        (["--perset", "x"], "unrecognized arguments: --perset"),
+        (["--ros-args", "-p", "coast:=g1"], "unknown parameter 'coast'"),
+    ],
+)
+def test_a_wrong_command_line_is_refused(
+    start_node: Callable[..., NodeProcess], arguments: list[str], reason: str
+) -> None:
+    process = start_node("bringup", arguments=arguments)
+    assert process.wait(60.0) == 2
+    assert reason in process.output()
+    assert "Traceback" not in process.output()
+
+
+def test_each_node_gets_the_presets_that_it_knows(tmp_path: Path) -> None:
+    file = tmp_path / "a.yaml"
+    file.touch()
+    commands = node_commands("lachekhab", [file], "/robot1/", ["-p", "use_sim_time:=true"])
+    shared = ["--params-file", str(file), "-r", "__ns:=/robot1"]
+    assert commands["mapper"][3:] == [
+        "--ros-args",
+        *shared,
+        "-p",
+        "preset:=lachekhab",
+        "-p",
+        "use_sim_time:=true",
+    ]
+    assert commands["planner"][3:] == ["--ros-args", *shared, "-p", "use_sim_time:=true"]
+    assert all(len(command) == 3 for command in node_commands().values())
