@@ -1,0 +1,150 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""Infrared hit points, clearances and stop rules against geometry by hand."""
+
+import math
+
+import numpy as np
+import pytest
+
+from fuzzy_map_building.types import InfraredReading, Pose2
+from fuzzy_navigation.clearance import (
+    ClosingClearance,
+    InfraredRing,
+    StrictClearance,
+    approach_speed,
+    clearance_at,
+    hit_points,
+    stop_rule,
+)
+from fuzzy_navigation.params import ClearanceParameters, InfraredParameters
+
+RADIUS = 0.23
+RING = InfraredParameters()
+NO_HITS = np.empty((0, 2))
+
+
+def reading(sensor: int, distance: float, stamp: float = 0.0) -> InfraredReading:
+    return InfraredReading(
+        Pose2(1.0, 2.0, 0.5 * math.pi), sensor * math.pi / 8.0, distance, stamp, sensor
+    )
+
+
+def test_hit_points_lie_ahead_of_their_sensors() -> None:
+    hits = hit_points([reading(0, 0.1), reading(4, 0.2), reading(8, 0.3)], RADIUS)
+    # The robot at (1, 2) looks along +y; sensor 4 looks to its left, along -x.
+    np.testing.assert_allclose(hits, [(1.0, 2.33), (0.57, 2.0), (1.0, 1.47)], atol=1e-12)
+
+
+@pytest.mark.parametrize("distance", [math.inf, math.nan, 0.61, 0.019, -0.5])
+def test_what_is_no_measurement_is_no_hit(distance: float) -> None:
+    assert hit_points([reading(0, distance)], RADIUS, 0.02, 0.6).shape == (0, 2)
+
+
+def test_too_close_to_measure_is_a_hit_at_the_shortest_range() -> None:
+    hits = hit_points([reading(0, -math.inf)], RADIUS, 0.02, 0.6)
+    np.testing.assert_allclose(hits, [(1.0, 2.25)])
+
+
+@pytest.mark.parametrize("distance", [0.02, 0.6])
+def test_the_bounds_of_the_range_count(distance: float) -> None:
+    assert len(hit_points([reading(0, distance)], RADIUS, 0.02, 0.6)) == 1
+
+
+def test_clearance_is_the_distance_to_the_nearest_hit_less_the_body() -> None:
+    rng = np.random.default_rng(1)
+    points, hits = rng.uniform(-2, 2, (7, 2)), rng.uniform(-2, 2, (9, 2))
+    found = clearance_at(points, hits, RADIUS)
+    for (x, y), clearance in zip(points, found, strict=True):
+        by_hand = min(math.dist((x, y), hit) for hit in hits) - RADIUS
+        assert clearance == pytest.approx(by_hand)
+    assert clearance_at(points[0], hits, RADIUS).shape == (1,)
+
+
+def test_nothing_seen_is_infinite_clearance() -> None:
+    np.testing.assert_array_equal(clearance_at([(0, 0), (1, 1)], NO_HITS, RADIUS), np.inf)
+
+
+@pytest.mark.parametrize("clearance", [0.0, 0.05, 0.12, 0.6, 3.0])
+def test_the_approach_speed_leaves_room_for_delay_and_braking(clearance: float) -> None:
+    v = approach_speed(clearance, 0.5, 0.1)
+    assert v * 0.1 + v * v / (2.0 * 0.5) == pytest.approx(clearance)
+
+
+def test_the_approach_speed_at_the_ends() -> None:
+    assert approach_speed(-0.1, 0.5, 0.1) == 0.0
+    assert approach_speed(math.inf, 0.5, 0.1) == math.inf
+
+
+class TestRing:
+    def test_the_newest_reading_of_each_sensor_counts(self) -> None:
+        ring = InfraredRing(RING)
+        ring.update([reading(0, 0.1, 1.0), reading(4, 0.2, 1.0)])
+        ring.update([reading(0, 0.3, 1.1), reading(0, 0.5, 0.9)])
+        hits = ring.hits(1.1, 0.5)
+        np.testing.assert_allclose(sorted(hits.tolist()), [(0.57, 2.0), (1.0, 2.53)])
+
+    def test_old_readings_do_not_count(self) -> None:
+        ring = InfraredRing(RING)
+        ring.update([reading(0, 0.1, 1.0), reading(4, 0.2, 1.4)])
+        assert len(ring.hits(1.5, 0.5)) == 2
+        assert len(ring.hits(1.51, 0.5)) == 1
+        assert len(ring.hits(3.0, 0.5)) == 0
+
+    def test_silent_sensors_are_named(self) -> None:
+        ring = InfraredRing(RING)
+        assert len(ring.silent(0.0, 0.5)) == 16
+        ring.update([reading(k, math.inf, 1.0) for k in range(16) if k != 3])
+        assert ring.silent(1.2, 0.5) == ["infrared_3"]
+        ring.update([reading(3, 0.2, 1.2)])
+        assert ring.silent(1.2, 0.5) == []
+        assert len(ring.silent(1.6, 0.5)) == 15
+        ring.clear()
+        assert len(ring.silent(1.2, 0.5)) == 16
+
+    def test_a_faulty_reading_leaves_its_sensor_silent(self) -> None:
+        ring = InfraredRing(RING)
+        ring.update([reading(k, math.nan, 1.0) for k in range(16)])
+        assert len(ring.silent(1.0, 0.5)) == 16
+
+    @pytest.mark.parametrize("sensor", [-1, 16])
+    def test_an_unknown_sensor_is_refused_with_all_that_came_along(self, sensor: int) -> None:
+        ring = InfraredRing(RING)
+        stranger = InfraredReading(Pose2(0, 0, 0), 0.0, 0.1, 1.0, sensor)
+        with pytest.raises(ValueError, match=rf"sensor {sensor}: .* 0 to 15"):
+            ring.update([reading(0, 0.1, 1.0), stranger])
+        assert len(ring.silent(1.0, 0.5)) == 16
+
+
+class TestRules:
+    #: Clearances here and at three places ahead, and which steps each rule forbids.
+    @pytest.mark.parametrize(
+        ("clearances", "relaxed", "closing"),
+        [
+            ((0.30, 0.25, 0.20, 0.15), False, (False, False, False)),
+            ((0.30, 0.20, 0.119, 0.13), False, (False, True, False)),
+            ((0.30, 0.20, 0.120, 0.12), False, (False, False, False)),
+            ((0.10, 0.09, 0.10, 0.11), False, (True, False, False)),
+            ((0.10, 0.10, 0.10, 0.30), False, (False, False, False)),
+            ((0.10, 0.09, 0.05, 0.049), True, (False, False, True)),
+            ((0.04, 0.03, 0.04, 0.05), True, (True, False, False)),
+            ((math.inf, math.inf, 0.1, math.inf), False, (False, True, False)),
+        ],
+    )
+    def test_closing(
+        self, clearances: tuple[float, ...], relaxed: bool, closing: tuple[bool, ...]
+    ) -> None:
+        rule = ClosingClearance(0.12, 0.05)
+        assert tuple(rule.blocked(np.array(clearances), 0.6, relaxed)) == closing
+
+    @pytest.mark.parametrize("relaxed", [False, True])
+    def test_strict_forbids_to_leave_as_well(self, relaxed: bool) -> None:
+        rule = StrictClearance(0.12)
+        blocked = rule.blocked(np.array([0.1, 0.5, 0.119, 0.12, 0.1]), 0.6, relaxed)
+        assert blocked.tolist() == [True, False, True, False]
+
+    def test_the_parameter_names_the_rule(self) -> None:
+        clearances = np.array([0.1, 0.2])
+        assert not stop_rule(ClearanceParameters()).blocked(clearances, 0.6, False)[0]
+        strict = stop_rule(ClearanceParameters(rule="strict", limit=0.15))
+        assert strict.blocked(clearances, 0.6, False)[0]
