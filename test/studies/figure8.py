@@ -91,7 +91,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     contacts = sum(run.contacts for run in runs)
     study.claim(
         "perceptions",
-        "43 perceptions of 48 readings each go into the map, without contact",
+        f"{PERCEPTIONS} perceptions of 48 readings each go into the map, without contact",
         all(
             run.mapper.perceptions == PERCEPTIONS and run.readings == PERCEPTIONS * 48
             for run in runs
@@ -102,8 +102,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     worst = min(q.accurate for q in quality)
     study.claim(
         "walls",
-        f"the walls are where they are: of the cells with M_p above {OCCUPIED:g} at least 95 % lie "
-        f"within {ACCURACY:g} m of a true surface",
+        f"the walls are where they are: of the cells with M_p above {OCCUPIED:g} at least 95 % "
+        f"lie within {ACCURACY:g} m of a true surface",
         worst >= 95.0,
         f"{worst:.1f} % at least",
     )

@@ -6,8 +6,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,6 +53,10 @@ WAY = (
     (7.8, 6.2),
     (1.5, 5.9),
 )
+#: Where the jambs of the door are (x) in the world `corridor` [m].
+DOOR_JAMBS = (11.0, 11.85)
+#: Centre (x, y) and side of the small obstacle, the first polygon of that world [m].
+OBSTACLE, OBSTACLE_SIZE = (9.05, 6.05), 0.5
 #: Longest time for one leg of the way or one perception [s].
 TIME_LIMIT = 120.0
 
@@ -92,7 +95,7 @@ class GuidedRun:
 def guided_run(
     seed: int,
     critical_angles: Mapping[str, float] | None = None,
-    mapper: Mapping[str, Any] | None = None,
+    widening: float = 0.0,
 ) -> GuidedRun:
     """Drive along the way of Fig. 8 and perceive at its 43 places.
 
@@ -102,11 +105,13 @@ def guided_run(
         Of all noise.
     critical_angles : mapping of str to float, optional
         Other critical angles [rad] of some materials.
-    mapper : mapping, optional
-        Parameters of the mapper other than the preset ``map_building``.
+    widening : float
+        How much wider the narrow places are than in the world `corridor`: the door is wider,
+        the small obstacle slimmer by this [m].
     """
-    world = load_world("corridor").with_critical_angles(critical_angles or {})
-    parameters = mapper_parameters("map_building", mapper)
+    world = _widened(load_world("corridor"), widening)
+    world = world.with_critical_angles(critical_angles or {})
+    parameters = mapper_parameters("map_building")
     fuzzy = FuzzyMapper(parameters.area.geometry(), parameters)
     operator = _Operator(world, seed, parameters)
     stops = _places()
@@ -129,6 +134,20 @@ def guided_run(
         update_times=tuple(times),
         contacts=operator.simulator.contacts,
     )
+
+
+def _widened(world: World, widening: float) -> World:
+    """Return the world with a wider door and a slimmer obstacle, their middles in place."""
+    walls = []
+    for wall in world.walls:
+        points = wall.points.copy()
+        for jamb, sign in ((DOOR_JAMBS[0], -0.5), (DOOR_JAMBS[1], 0.5)):
+            points[points[:, 0] == jamb, 0] += sign * widening
+        walls.append(replace(wall, points=points))
+    obstacle, *cabinets = world.polygons
+    points = np.array(OBSTACLE) + (obstacle.points - OBSTACLE) * (1.0 - widening / OBSTACLE_SIZE)
+    polygons = (replace(obstacle, points=points), *cabinets)
+    return replace(world, walls=tuple(walls), polygons=polygons)
 
 
 def _lengths(points: NDArray[np.float64]) -> NDArray[np.float64]:
