@@ -5,95 +5,48 @@
 from __future__ import annotations
 
 import math
-import signal
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 import pytest
 from builtin_interfaces.msg import Time
-from diagnostic_msgs.msg import DiagnosticArray
 from fuzzy_msgs.srv import PlanPath
-from geometry_msgs.msg import PoseStamped
-from harness import NodeProcess, Probe, Received, wait_until
+from geometry_msgs.msg import Point, PoseStamped
 from nav_msgs.msg import OccupancyGrid, Path
 from nav_msgs.srv import GetPlan
-from numpy.typing import NDArray
 from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
-from rclpy.publisher import Publisher
 
-from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.ros import names, qos
-from fuzzy_map_building.ros.conversions import grid_to_msg, path_from_msg
+from fuzzy_map_building.ros.conversions import path_from_msg
 from fuzzy_navigation.params import PlannerParameters, planner_parameters
 from fuzzy_navigation.planner import Planner, PlanStatus
-
-GEOMETRY = GridGeometry(40, 30, 0.1, (-1.0, 0.5))
-START, GOAL = (-0.55, 1.05), (2.45, 2.95)
-
-
-def world() -> NDArray[np.int8]:
-    """A map in grey levels: hills of risk, and a wall with one opening."""
-    rows, columns = np.mgrid[0:30, 0:40]
-    values = (25.0 + 25.0 * np.sin(rows / 3.0) * np.cos(columns / 5.0)).astype(np.int8)
-    values[:, 20] = 100
-    values[8:16, 20] = 10
-    return values
+from ros.harness import NodeProcess, Probe
+from ros.planner_driver import GEOMETRY, GOAL, START, Driver, at, map_message, request, world
 
 
-def map_message(values: NDArray[np.int8], stamp: int = 1) -> OccupancyGrid:
-    return grid_to_msg(
-        values, GridGeometry(*values.shape[::-1], 0.1, (-1.0, 0.5)), Time(sec=stamp)
-    )
-
-
-def at(position: tuple[float, float], frame: str = "map") -> PoseStamped:
-    message = PoseStamped()
-    message.header.frame_id = frame
-    message.pose.position.x, message.pose.position.y = position
-    return message
-
-
-def request(**fields: Any) -> PlanPath.Request:
-    return PlanPath.Request(**{"start": at(START), "goal": at(GOAL), **fields})
-
-
-class Driver:
-    """A planner process and what the tests say to it and hear from it."""
-
-    def __init__(self, probe: Probe, process: NodeProcess) -> None:
-        self.probe = probe
-        self.process = process
-        self.plans: Received[Path] = probe.subscribe(Path, names.PLAN, qos.LATCHED)
-        self.diagnostics: Received[DiagnosticArray] = probe.subscribe(
-            DiagnosticArray, names.DIAGNOSTICS, qos.RELIABLE
-        )
-        self._maps: Publisher = probe.publisher(OccupancyGrid, names.PLANNING_MAP, qos.LATCHED)
-
-    def plan(self, **fields: Any) -> PlanPath.Response:
-        return self.probe.call(PlanPath, names.PLAN_PATH, request(**fields))
-
-    def give(self, message: OccupancyGrid) -> None:
-        self._maps.publish(message)
-
-    def give_and_wait(self, message: OccupancyGrid) -> None:
-        """Give a map and return when the planner has it."""
-        self.give(message)
-        wait_until(
-            lambda: self.plan().path.header.stamp == message.header.stamp, "the planner's new map"
-        )
-
-
-def values(array: DiagnosticArray) -> dict[str, str]:
-    """Return what a message says of the planner, by name."""
-    return {v.key: v.value for s in array.status if s.name == names.PLANNER_NODE for v in s.values}
+@pytest.fixture(scope="module")
+def running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Driver]:
+    """One process for all tests of this module."""
+    log = tmp_path_factory.mktemp("planner") / "planner.log"
+    probe = Probe()
+    process = NodeProcess("planner", log)
+    try:
+        yield Driver(probe, process)
+        process.assert_clean_stop()
+    finally:
+        process.close()
+        probe.close()
 
 
 @pytest.fixture
-def planner(probe: Probe, start_node: Callable[..., NodeProcess]) -> Driver:
-    return Driver(probe, start_node("planner"))
+def planner(running: Driver) -> Driver:
+    """The process with the map that the tests reckon with."""
+    running.give_and_wait(map_message(world()))
+    running.plans.clear()
+    return running
 
 
 def core(parameters: PlannerParameters | None = None) -> Planner:
@@ -118,12 +71,13 @@ REQUESTS: list[dict[str, Any]] = [
     {"goal": at((1.05, 3.45)), "tolerance": 0.6},
     {"start": at(GOAL), "goal": at(START)},
     {"goal": at(START)},
+    {"barred": [Point(x=1.05, y=1.85), Point(x=1.05, y=1.65), Point(x=90.0, y=0.0)]},
+    {"barred": [Point(x=1.05, y=y) for y in np.arange(1.35, 2.1, 0.1)], "alpha": 0.6},
 ]
 COSTS = {0: None, 1: "g1", 2: "g2", 3: "g3"}
 
 
 def test_plan_path_answers_what_the_core_answers(planner: Driver) -> None:
-    planner.give_and_wait(map_message(world()))
     statuses = set()
     for fields in REQUESTS:
         asked = request(**fields)
@@ -134,6 +88,7 @@ def test_plan_path_answers_what_the_core_answers(planner: Driver) -> None:
             asked.alpha,
             asked.adjacency,
             asked.tolerance,
+            barred=[(point.x, point.y) for point in asked.barred],
         )
         response = planner.plan(**fields)
         assert response.status == expected.status, fields
@@ -152,8 +107,6 @@ def test_plan_path_answers_what_the_core_answers(planner: Driver) -> None:
 
 
 def test_get_plan_and_the_topic_plan(planner: Driver) -> None:
-    planner.give_and_wait(map_message(world()))
-    planner.plans.clear()
     asked = GetPlan.Request(start=at(START), goal=at(GOAL))
     plan = planner.probe.call(GetPlan, names.GET_PLAN, asked).plan
     expected = core().plan(START, GOAL)
@@ -165,24 +118,10 @@ def test_get_plan_and_the_topic_plan(planner: Driver) -> None:
 
 
 def test_get_plan_answers_an_empty_path_when_there_is_none(planner: Driver) -> None:
-    planner.give_and_wait(map_message(world()))
-    planner.plans.clear()
     asked = GetPlan.Request(start=at(START), goal=at((50.0, 50.0)))
     assert not planner.probe.call(GetPlan, names.GET_PLAN, asked).plan.poses
     planner.process.wait_for_output("the goal (50.00, 50.00) m lies outside the map")
     assert not planner.plans.messages
-
-
-def test_without_a_map_it_says_so(planner: Driver) -> None:
-    response = planner.plan()
-    assert response.status == PlanPath.Response.NO_MAP
-    assert "no planning map" in response.message
-    assert not response.path.poses
-    status = planner.diagnostics.wait_for().status[0]
-    assert status.name == names.PLANNER_NODE
-    assert "planning_map" in status.message
-    # A bad request is one also without a map.
-    assert planner.plan(cost=9).status == PlanPath.Response.BAD_REQUEST
 
 
 def turned(**quaternion: float) -> PoseStamped:
@@ -207,14 +146,14 @@ BAD_REQUESTS: list[tuple[dict[str, Any], str]] = [
     ({"alpha": math.nan}, "alpha must lie in [0, 1]"),
     ({"adjacency": 6}, "adjacency must be 0, 4 or 8, got 6"),
     ({"cost": 4}, "cost must be one of 0, 1, 2, 3, got 4"),
+    ({"barred": [Point(x=math.nan)]}, "barred"),
     ({"tolerance": -0.1}, "tolerance must be finite and not negative"),
     ({"tolerance": math.inf}, "tolerance must be finite and not negative"),
 ]
 
 
 def test_bad_requests_are_refused_with_a_reason_and_counted(planner: Driver) -> None:
-    planner.give_and_wait(map_message(world()))
-    planner.plans.clear()
+    before = planner.counts()
     for fields, reason in BAD_REQUESTS:
         response = planner.plan(**fields)
         assert response.status == PlanPath.Response.BAD_REQUEST, fields
@@ -225,12 +164,14 @@ def test_bad_requests_are_refused_with_a_reason_and_counted(planner: Driver) -> 
     assert "the start (-1.05, 1.00) m lies outside the map" in outside.message
     assert planner.plan(goal=at((1.0, 3.55))).status == PlanPath.Response.GOAL_OUTSIDE
     assert not planner.plans.messages
-    counts = {
-        "rejected.plan_path.bad_request": str(len(BAD_REQUESTS)),
-        "plans.start_outside": "1",
-        "plans.goal_outside": "1",
-    }
-    planner.diagnostics.wait_for(lambda array: counts.items() <= values(array).items())
+    planner.wait_for_counts(
+        before,
+        {
+            "rejected.plan_path.bad_request": len(BAD_REQUESTS),
+            "plans.start_outside": 1,
+            "plans.goal_outside": 1,
+        },
+    )
     assert planner.plan().status == PlanPath.Response.FOUND
 
 
@@ -272,19 +213,14 @@ BAD_MAPS: list[tuple[OccupancyGrid, str]] = [
 
 
 def test_bad_maps_are_refused_and_the_last_good_one_stays(planner: Driver) -> None:
-    planner.give_and_wait(map_message(world()))
+    before = planner.counts()
     for message, reason in BAD_MAPS:
         planner.give(message)
         response = planner.plan()
         assert response.path.header.stamp == Time(sec=1), reason
         assert response.g2 == core().plan(START, GOAL).g2
-    expected = Counter(f"rejected.planning_map.{reason}" for _, reason in BAD_MAPS)
-    planner.diagnostics.wait_for(
-        lambda array: (
-            expected.items()
-            <= {k: int(v) for k, v in values(array).items() if "rejected" in k}.items()
-        ),
-        what=f"the counts {expected}",
+    planner.wait_for_counts(
+        before, Counter(f"rejected.planning_map.{reason}" for _, reason in BAD_MAPS)
     )
     # A map of another size is taken.
     planner.give_and_wait(map_message(np.zeros((50, 60), np.int8), stamp=3))
@@ -292,8 +228,6 @@ def test_bad_maps_are_refused_and_the_last_good_one_stays(planner: Driver) -> No
 
 
 def test_a_parameter_changes_the_plans_at_once(planner: Driver) -> None:
-    planner.give_and_wait(map_message(world()))
-
     def change(name: str, value: Any) -> Any:
         changed = SetParameters.Request(
             parameters=[Parameter(name, value=value).to_parameter_msg()]
@@ -311,22 +245,5 @@ def test_a_parameter_changes_the_plans_at_once(planner: Driver) -> None:
     assert not refused.successful
     assert "rise" in refused.reason
     assert planner.plan().g1 == response.g1
-
-
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_it_stops_cleanly_under_load(
-    planner: Driver, start_node: Callable[..., NodeProcess], number: signal.Signals
-) -> None:
-    planner.give_and_wait(map_message(world()))
-    client = planner.probe.node.create_client(PlanPath, names.PLAN_PATH)
-    wait_until(client.service_is_ready, "the service")
-    for _ in range(50):
-        client.call_async(request())
-    planner.process.assert_clean_stop(number)
-
-
-def test_an_unknown_parameter_ends_the_start(start_node: Callable[..., NodeProcess]) -> None:
-    process = start_node("planner", parameters={"alpha_leader": [0.5]})
-    assert process.wait() == 2
-    assert "did you mean 'alpha_ladder'" in process.output()
-    assert "Traceback" not in process.output()
+    assert change("cost", "g2").successful
+    assert change("robot_radius", PlannerParameters().robot_radius).successful

@@ -1,0 +1,48 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""The planner as a process: before its first map, and its end."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Callable
+
+import pytest
+from fuzzy_msgs.srv import PlanPath
+
+from fuzzy_map_building.ros import names
+from ros.harness import NodeProcess, Probe, wait_until
+from ros.planner_driver import Driver, map_message, request, world
+
+
+def test_without_a_map_it_says_so(probe: Probe, start_node: Callable[..., NodeProcess]) -> None:
+    planner = Driver(probe, start_node("planner"))
+    response = planner.plan()
+    assert response.status == PlanPath.Response.NO_MAP
+    assert "no planning map" in response.message
+    assert not response.path.poses
+    status = planner.diagnostics.wait_for().status[0]
+    assert status.name == names.PLANNER_NODE
+    assert "planning_map" in status.message
+    # A bad request is one also without a map.
+    assert planner.plan(cost=9).status == PlanPath.Response.BAD_REQUEST
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_it_stops_cleanly_under_load(
+    probe: Probe, start_node: Callable[..., NodeProcess], number: signal.Signals
+) -> None:
+    planner = Driver(probe, start_node("planner"))
+    planner.give_and_wait(map_message(world()))
+    client = probe.node.create_client(PlanPath, names.PLAN_PATH)
+    wait_until(client.service_is_ready, "the service")
+    for _ in range(50):
+        client.call_async(request())
+    planner.process.assert_clean_stop(number)
+
+
+def test_an_unknown_parameter_ends_the_start(start_node: Callable[..., NodeProcess]) -> None:
+    process = start_node("planner", parameters={"alpha_leader": [0.5]})
+    assert process.wait() == 2
+    assert "did you mean 'alpha_ladder'" in process.output()
+    assert "Traceback" not in process.output()
