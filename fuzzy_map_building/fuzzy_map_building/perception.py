@@ -48,8 +48,10 @@ class PerceptionSequence:
         self._failed = ""
         self._taken: set[int] = set()
         self._stage_start = -math.inf
+        self._stage_patience = -math.inf
         self._commanded = -math.inf
         self._ready_from = math.inf
+        self._ready_patience = math.inf
         self.readings: list[SonarReading] = []
 
     @property
@@ -78,7 +80,7 @@ class PerceptionSequence:
         self._failed = ""
         self._stage = 0
         self.readings = []
-        self._enter_stage(now)
+        self._enter_stage(now, now)
 
     def cancel(self) -> None:
         """Drop the perception that is going on."""
@@ -91,7 +93,7 @@ class PerceptionSequence:
         if not (self._active and self._angles and math.isfinite(stamp) and math.isfinite(angle)):
             return
         if abs(wrap_angle(angle - self._angles[self._stage])) > self._turret.tolerance:
-            self._ready_from = math.inf
+            self._ready_from = self._ready_patience = math.inf
         elif self._ready_from == math.inf:
             # Not before the command: what was seen earlier may be another stage's stand.
             self._ready_from = max(stamp, self._stage_start) + self._limits.settle
@@ -116,13 +118,17 @@ class PerceptionSequence:
             self._taken.add(reading.sensor)
             self.readings.append(reading)
 
-    def step(self, now: float) -> float | None:
+    def step(self, now: float, patience: float | None = None) -> float | None:
         """Let time pass.
 
         Parameters
         ----------
         now : float
             Present time [s].
+        patience : float, optional
+            What a clock shows [s] that started with the perception and by which the limits of
+            waiting are measured; `now` if not given. Where simulated time races, one that
+            keeps to wall time leaves the messages their time to arrive.
 
         Returns
         -------
@@ -131,16 +137,21 @@ class PerceptionSequence:
         """
         if not self._active:
             return None
+        if patience is None:
+            patience = now
+        if self._ready_patience == math.inf:
+            # What is left of settling; while nothing stands that is for ever.
+            self._ready_patience = patience + max(0.0, self._ready_from - now)
         complete = len(self._taken) == self._sonars
-        if complete or now - self._ready_from > self._limits.timeout:
+        if complete or patience - self._ready_patience > self._limits.timeout:
             self._stage += 1
             if self._stage >= len(self._angles):
                 self._finish()
                 return None
-            self._enter_stage(now)
+            self._enter_stage(now, patience)
         if not self._angles or self._ready_from < math.inf:
             return None
-        if now - self._stage_start > self._turret.timeout:
+        if patience - self._stage_patience > self._turret.timeout:
             self._give_up()
             return None
         if now - self._commanded < _REPEAT:
@@ -148,9 +159,11 @@ class PerceptionSequence:
         self._commanded = now
         return self._angles[self._stage]
 
-    def _enter_stage(self, now: float) -> None:
+    def _enter_stage(self, now: float, patience: float) -> None:
         self._taken = set()
         self._stage_start = now
+        self._stage_patience = patience
+        self._ready_patience = math.inf
         self._commanded = -math.inf
         # Without a turret the sonars stand where they are.
         self._ready_from = math.inf if self._angles else now + self._limits.settle

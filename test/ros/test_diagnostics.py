@@ -10,7 +10,6 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
 from fuzzy_map_building.ros import names, qos
-from fuzzy_map_building.ros.clock import StallWatch
 from fuzzy_map_building.ros.diagnostics import Diagnostics
 from ros.harness import Probe, Received
 
@@ -89,23 +88,3 @@ def test_counters_of_the_core_are_followed(bench: Bench) -> None:
     # A counter of a new object begins at nothing.
     bench.diagnostics.follow("sonar", {"late": 1})
     assert bench.diagnostics.total("sonar") == 7
-
-
-def test_a_clock_stalls_when_it_stands_and_not_when_it_goes(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    wall = 50.0
-    monkeypatch.setattr("fuzzy_map_building.ros.clock.time.monotonic", lambda: wall)
-    watch = StallWatch(limit=5.0)
-    assert not watch.stalled(1.0)
-    wall = 54.0
-    assert not watch.stalled(1.0)
-    wall = 55.5
-    assert watch.stalled(1.0)
-    assert not watch.stalled(1.05)
-    wall = 60.0
-    assert not watch.stalled(1.05)
-    wall = 61.0
-    assert watch.stalled(1.05)
-    watch.restart()
-    assert not watch.stalled(1.05)

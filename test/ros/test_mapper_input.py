@@ -335,3 +335,29 @@ def test_a_clock_that_stands_ends_a_perception(bench: Bench) -> None:
     assert response.status == GoalStatus.STATUS_ABORTED
     assert f"the clock has stood at {bench.start:.3f} s" in bench.log()
     client.destroy()
+
+
+def test_a_clock_that_races_does_not_cut_a_perception_short(bench: Bench) -> None:
+    # Half a minute passes at once: much more than the turret and the sonars are given.
+    client = bench.probe.action_client(BuildMap, names.BUILD_MAP)
+    taken: list[int] = []
+    handle = bench.probe.send_goal(
+        client, BuildMap.Goal(), lambda m: taken.append(m.feedback.readings)
+    )
+    bench.set_time(bench.start + 30.0)
+    result = handle.get_result_async()
+    after = 30.0
+    for stage, angle in enumerate(mapper_parameters().turret.angles):
+        for _ in range(2):
+            bench.joint(after, angle)
+            bench.pose(after, 2.0, 3.0)
+            after += 0.02
+        for sensor in range(16):
+            bench.range(after - 0.02, sensor, 1.0)
+        wanted = 16 * (stage + 1)
+        wait_until(
+            lambda wanted=wanted: result.done() or wanted in taken,  # type: ignore[misc]
+            f"{wanted} readings",
+        )
+    assert bench.probe.result_of(result).result.readings == 48
+    client.destroy()

@@ -24,13 +24,13 @@ from rclpy.task import Future
 
 from fuzzy_map_building.perception import PerceptionSequence
 from fuzzy_map_building.ros import names
-from fuzzy_map_building.ros.clock import StallWatch, now_seconds
+from fuzzy_map_building.ros.clock import PatientTime, StallWatch, now_seconds
 from fuzzy_map_building.types import SonarReading
 
 __all__ = ["BuildMapServer", "FusedPacket"]
 
 #: Wall time that /clock may stand during a perception [s]: its timeouts are of that clock.
-STALL_LIMIT: Final = 5.0
+STALL_LIMIT: Final = 10.0
 
 
 @dataclass(frozen=True)
@@ -60,6 +60,7 @@ class _Goal:
     sequence: PerceptionSequence
     outcome: Future
     start: float
+    patience: PatientTime
     rejected_before: int
     reported: int = -1
 
@@ -129,7 +130,7 @@ class BuildMapServer:
             self._node.get_logger().info("perception canceled; the map is as it was")
             self._end(goal, goal.handle.canceled, BuildMap.Result())
             return
-        angle = goal.sequence.step(now)
+        angle = goal.sequence.step(now, goal.patience.read(now))
         if angle is not None:
             self._command_turret(angle)
         self._report(goal)
@@ -163,7 +164,9 @@ class BuildMapServer:
 
     def _on_accepted(self, handle: ServerGoalHandle) -> None:
         now = now_seconds(self._node)
-        goal = _Goal(handle, self._new_sequence(), Future(), now, self._rejected())
+        goal = _Goal(
+            handle, self._new_sequence(), Future(), now, PatientTime(now), self._rejected()
+        )
         goal.sequence.start(now)
         self._goal = goal
         self._outcomes[bytes(handle.goal_id.uuid)] = goal.outcome

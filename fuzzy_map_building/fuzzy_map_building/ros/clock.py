@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from typing import Final
 
 from builtin_interfaces.msg import Time
 from rclpy.clock import Clock
@@ -14,6 +15,7 @@ from rclpy.node import Node
 from rclpy.timer import Timer
 
 __all__ = [
+    "PatientTime",
     "StallWatch",
     "create_steady_timer",
     "now_seconds",
@@ -53,6 +55,36 @@ def stamp_from_seconds(seconds: float) -> Time:
 def create_steady_timer(node: Node, period: float, callback: Callable[[], None]) -> Timer:
     """Return a timer with a period [s] of wall time, which runs also while /clock stands."""
     return node.create_timer(period, callback, clock=Clock(clock_type=ClockType.STEADY_TIME))
+
+
+class PatientTime:
+    """The node's time for limits of waiting, which a slow process must not meet.
+
+    Simulated time may run many times faster than wall time, and a busy machine may hold
+    the process up while messages queue: a limit of two seconds is then over in an instant,
+    and what was waited for lies in the queue. This time goes no faster than wall time, and
+    not at all while the process is held up.
+
+    Parameters
+    ----------
+    now : float
+        The node's time when the waiting begins [s].
+    """
+
+    #: Longest time between two looks for which the process counts as awake [s of wall time].
+    AWAKE: Final = 0.1
+
+    def __init__(self, now: float) -> None:
+        self._start = now
+        self._awake = 0.0
+        self._last = time.monotonic()
+
+    def read(self, now: float) -> float:
+        """Return the time [s] to compare with a limit, at most the node's time `now`."""
+        wall = time.monotonic()
+        self._awake += min(wall - self._last, self.AWAKE)
+        self._last = wall
+        return min(now, self._start + self._awake)
 
 
 class StallWatch:

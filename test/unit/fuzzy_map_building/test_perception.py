@@ -209,3 +209,37 @@ def test_odd_joint_states_are_ignored() -> None:
     sequence.on_turret(1.3, 2 * math.pi)  # a whole turn is the same stand
     sequence.on_reading(SonarReading(Pose2(0, 0), 0.0, 1.0, 1.3, 0))
     assert len(sequence.readings) == 1
+
+
+@pytest.mark.parametrize("rate", [1.0, 20.0])
+def test_limits_are_measured_by_the_clock_of_patience(rate: float) -> None:
+    # Simulated time goes `rate` times as fast as the clock of patience. Ranges of all sonars
+    # but one come, at each stand half a second of patience after the turret.
+    sequence = PerceptionSequence(PARAMETERS)
+    sequence.start(100.0)
+    angle, stood = None, 0.0
+    for tick in range(1000):
+        patience = 100.0 + 0.05 * tick
+        now = 100.0 + rate * (patience - 100.0)
+        command = sequence.step(now, patience)
+        if not sequence.active:
+            break
+        if command is not None:
+            angle, stood = command, patience
+        sequence.on_turret(now, angle)
+        if patience - stood > 0.5:
+            for sensor in range(15):
+                sequence.on_reading(SonarReading(Pose2(0, 0), 0.0, 1.0, now, sensor))
+    assert sequence.done
+    assert len(sequence.readings) == 45
+    assert patience - 100.0 == pytest.approx(3 * PARAMETERS.perception.timeout, abs=0.5)
+
+
+def test_a_stuck_turret_is_given_up_by_the_clock_of_patience() -> None:
+    sequence = PerceptionSequence(PARAMETERS)
+    sequence.start(100.0)
+    sequence.step(100.0, 100.0)
+    sequence.step(300.0, 104.9)
+    assert sequence.active
+    sequence.step(300.1, 105.1)
+    assert "did not reach" in sequence.failed
