@@ -20,7 +20,7 @@ from fuzzy_map_building.types import InfraredReading, Pose2
 from fuzzy_navigation import verdicts
 from fuzzy_navigation.clearance import InfraredRing, clearance_at
 from fuzzy_navigation.explored_area import ExploredArea
-from fuzzy_navigation.mission_record import MissionRecord
+from fuzzy_navigation.mission_record import MissionRecord, checked_tolerance
 from fuzzy_navigation.mission_types import (
     Command,
     Commands,
@@ -41,11 +41,8 @@ from fuzzy_navigation.refused_cells import RefusedCells
 
 __all__ = ["Mission"]
 
-#: How much nearer than the tolerance a path has to end, for the robot does not stop exactly [m].
-ARRIVAL_MARGIN = 0.01
 #: Longest time between two ticks that the motion is laid out for [s].
 LONGEST_TICK = 0.2
-
 
 _State = Enum("_State", ["IDLE", "WAITING", "PERCEIVING", "PLANNING", "MOVING"])
 
@@ -75,12 +72,9 @@ class Mission:
         self._record = MissionRecord(0, Pose2(0.0, 0.0), 0.0, 0.0)
         self._request = OpenRequest()
         self._hold = Hold()
-        self._asked_at = 0.0
-        self._answered = self._map_seen = False
+        self._asked_at, self._answered, self._map_seen = 0.0, False, False
         keep_out = self._p.robot_radius + self._p.clearance.override
         self._refused = RefusedCells(self._p.refusal_memory, keep_out)
-
-    # -- what can be known ------------------------------------------------------------------
 
     @property
     def active(self) -> bool:
@@ -115,8 +109,6 @@ class Mission:
             self.phase, r.last_stop, r.perceptions, r.alpha, left, self._pose, self._hold.reason
         )
 
-    # -- events -----------------------------------------------------------------------------
-
     def start(
         self, now: float, goal: Pose2 | tuple[float, float], tolerance: float = 0.0
     ) -> Commands:
@@ -138,18 +130,13 @@ class Mission:
             accuracy; a mission that runs goes on.
         """
         target = goal if isinstance(goal, Pose2) else Pose2(*goal)
-        least = 2.0 * ARRIVAL_MARGIN
-        if tolerance != 0.0 and not least <= tolerance < math.inf:
-            raise ValueError(
-                f"the goal's tolerance must be at least {least} m, or 0 for the parameter "
-                f"'goal_tolerance', got {tolerance}"
-            )
+        accuracy = checked_tolerance(tolerance) or self._p.goal_tolerance
         self._advance(now)
         commands: list[Command] = []
         if self.active:
             commands += self._finish((Outcome.CANCELED, "a newer goal replaced this one"))
-        number, accuracy = self._record.mission + 1, tolerance or self._p.goal_tolerance
-        self._record = MissionRecord(number, target, accuracy, self._time.elapsed)
+        started = self._time.elapsed
+        self._record = MissionRecord(self._record.mission + 1, target, accuracy, started)
         self._motion.forget()
         self._refused.forget()
         self._state = _State.WAITING
@@ -189,7 +176,7 @@ class Mission:
         self._record.pass_by(pose, clearance)
         commands = self._watch()
         if self._state is _State.MOVING:
-            commands += self._drive(now, pose, hits, dt)
+            commands += self._drive(pose, hits, dt)
         else:
             self._hold.end()
             if self._state is _State.WAITING:
@@ -273,8 +260,6 @@ class Mission:
             return ()
         return tuple(self._failed_once("the planner did not answer", message))
 
-    # -- waiting ----------------------------------------------------------------------------
-
     def _advance(self, now: float) -> None:
         if self._time.advance(now):
             # Stamps from before the step back tell nothing any more.
@@ -320,11 +305,13 @@ class Mission:
         reason = f"{what} {times} times in a row, the last time: {message}"
         return self._finish((Outcome.FAILED, reason))
 
-    # -- the alternation --------------------------------------------------------------------
+    @property
+    def _here(self) -> Pose2:
+        assert self._pose is not None
+        return self._pose
 
     def _set_out(self) -> list[Command]:
-        assert self._pose is not None
-        verdict = verdicts.arrival(self._record, self._pose)
+        verdict = verdicts.arrival(self._record, self._here)
         return self._finish(verdict) if verdict else self._perceive()
 
     def _perceive(self) -> list[Command]:
@@ -332,45 +319,39 @@ class Mission:
         if verdict:
             return self._finish(verdict)
         self._state = _State.PERCEIVING
-        self._answered = self._map_seen = False
-        self._asked_at = self._time.clock
+        self._asked_at, self._answered, self._map_seen = self._time.clock, False, False
         return [Perceive(self._request.make(self._time.elapsed, self._p.timeout.build_map))]
 
     def _perceived(self, now: float) -> list[Command]:
         """Go on to planning once both the mapper's answer and its map are there."""
         if not (self._answered and self._map_seen):
             return []
-        assert self._pose is not None
         self._request.settle()
-        self._record.perceived(now, self._pose, self._distance_remaining())
+        self._record.perceived(now, self._here, self._distance_remaining())
         return self._plan()
 
     def _plan(self) -> list[Command]:
-        assert self._pose is not None
         self._state = _State.PLANNING
         request = self._request.make(self._time.elapsed, self._p.timeout.plan)
-        tolerance = self._record.tolerance - ARRIVAL_MARGIN
+        tolerance = self._record.path_tolerance
         barred = self._refused.barred(self._record.perceptions)
-        return [Plan(request, self._pose, self._record.goal, tolerance, barred)]
+        return [Plan(request, self._here, self._record.goal, tolerance, barred)]
 
     def _move(self, plan: PlanResult) -> list[Command]:
-        assert self._pose is not None
         assert self._area is not None
         try:
-            path = PlannedPath.of(plan.poses, plan.alpha, self._area.geometry, self._pose)
+            path = PlannedPath.of(plan.poses, plan.alpha, self._area.geometry, self._here)
         except ValueError as error:
             return self._failed_once("the planner's path cannot be followed", str(error))
         self._request.settle()
         self._state = _State.MOVING
         self._record.alpha = plan.alpha
         reach = self._area.reach(path.points)
-        self._motion.begin(self._pose, path, self._record.goal, reach, self._record.relaxed)
+        self._motion.begin(self._here, path, self._record.goal, reach, self._record.relaxed)
         return self._stopped() if self._motion.stopped is not None else []
 
-    def _drive(
-        self, now: float, pose: Pose2, hits: NDArray[np.float64], dt: float
-    ) -> list[Command]:
-        silent = self._ring.silent(now, self._p.timeout.infrared)
+    def _drive(self, pose: Pose2, hits: NDArray[np.float64], dt: float) -> list[Command]:
+        silent = self._ring.silent(self._time.clock, self._p.timeout.infrared)
         if silent:
             return self._stand(f"no readings from {', '.join(silent)}")
         self._hold.end()
@@ -383,28 +364,26 @@ class Mission:
 
     def _stopped(self) -> list[Command]:
         """Judge what the motion brought, and perceive again unless that is the end."""
-        assert self._pose is not None
         assert self._motion.stopped is not None
-        verdict = verdicts.arrival(self._record, self._pose)
+        verdict = verdicts.arrival(self._record, self._here)
         if verdict:
             return self._finish(verdict)
         # A cell, less what the follower may stop short of it.
         progress = self._motion.progress >= 0.9 * self._motion.path.resolution
         self._record.stopped(self._motion.stopped, progress)
         self._remember(progress)
-        verdict = verdicts.stalemate(self._record, self._pose, self._p)
+        verdict = verdicts.stalemate(self._record, self._here, self._p)
         return self._finish(verdict) if verdict else self._perceive()
 
     def _remember(self, progress: bool) -> None:
         """Keep in mind where the motion could not go on."""
         assert self._area is not None
-        perceptions, stop = self._record.perceptions, self._motion.stopped
-        if stop is Stop.CLEARANCE:
+        if self._motion.stopped is Stop.CLEARANCE:
             hits = self._ring.hits(self._time.clock, self._p.timeout.infrared)
-            self._refused.add_obstacle(perceptions, hits, self._area.geometry)
-        elif stop is Stop.UNEXPLORED and not progress:
+            self._refused.add_obstacle(self._record.perceptions, hits, self._area.geometry)
+        elif self._motion.stopped is Stop.UNEXPLORED and not progress:
             # Seen from the cell before it, and still not known to be free.
-            self._refused.add(perceptions, *self._motion.next_point)
+            self._refused.add(self._record.perceptions, *self._motion.next_point)
 
     def _finish(self, verdict: verdicts.Verdict) -> list[Command]:
         self._state = _State.IDLE
@@ -414,8 +393,7 @@ class Mission:
         return [Drive(0.0, 0.0), self._record.finish(*verdict, self._time.elapsed)]
 
     def _distance_remaining(self) -> float:
-        if self._pose is None:
-            return math.nan
         if self._record.alpha > 0.0:
             return self._motion.remaining
-        return self._pose.distance_to(self._record.goal.x, self._record.goal.y)
+        goal = self._record.goal
+        return self._pose.distance_to(goal.x, goal.y) if self._pose else math.nan

@@ -12,10 +12,29 @@ from numpy.typing import NDArray
 from fuzzy_map_building.types import Pose2
 from fuzzy_navigation.mission_types import Finish, LogEntry, Outcome, Stop
 
-__all__ = ["MissionRecord"]
+__all__ = ["MissionRecord", "checked_tolerance"]
 
+#: How much nearer than the tolerance a path has to end, for the robot does not stop exactly [m].
+ARRIVAL_MARGIN = 0.01
 #: Distance between two recorded positions [m].
 SPACING = 0.02
+
+
+def checked_tolerance(tolerance: float) -> float:
+    """Return the tolerance [m] of a goal, 0 meaning the parameter's.
+
+    Raises
+    ------
+    ValueError
+        If it is negative, not finite, or too small for the robot's accuracy.
+    """
+    least = 2.0 * ARRIVAL_MARGIN
+    if tolerance != 0.0 and not least <= tolerance < math.inf:
+        raise ValueError(
+            f"the goal's tolerance must be at least {least} m, or 0 for the parameter "
+            f"'goal_tolerance', got {tolerance}"
+        )
+    return tolerance
 
 
 class MissionRecord:
@@ -47,6 +66,11 @@ class MissionRecord:
         self._min_clearance = math.inf
         self._last: Pose2 | None = None
         self._way: list[tuple[float, float]] = []
+
+    @property
+    def path_tolerance(self) -> float:
+        """Distance from the goal within which a path may end [m]."""
+        return self.tolerance - ARRIVAL_MARGIN
 
     @property
     def relaxed(self) -> bool:
