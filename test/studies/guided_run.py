@@ -158,7 +158,7 @@ def _lengths(points: NDArray[np.float64]) -> NDArray[np.float64]:
 def _places() -> list[float]:
     """Return the lengths of way [m] at which the robot stops, evenly spread."""
     total = float(_lengths(np.array(WAY))[-1])
-    return np.linspace(0.0, total, PERCEPTIONS).tolist()
+    return [float(at) for at in np.linspace(0.0, total, PERCEPTIONS)]
 
 
 def _leg(start: float, end: float) -> NDArray[np.float64]:

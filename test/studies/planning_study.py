@@ -188,6 +188,7 @@ def draw_paths(
         path = paths[name]
         axes.plot(*path.xy.T, style, color=colour, linewidth=width, label=name, zorder=3)
     if view is not None:
+        figure.set_size_inches(7.6, 6.0)
         axes.set_xlim(view[0], view[2])
         axes.set_ylim(view[1], view[3])
     axes.legend(loc="upper right", handlelength=3.5)

@@ -137,7 +137,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     for epsilon in () if options.quick else OTHER_EPSILONS:
         others = find_paths(finished_planner(run, epsilon, ROBOT_RADIUS), START, GOAL)
         note_others(study, CLAIMS, f"With epsilon {epsilon:g}", others)
-    study.figure(draw_paths(run, paths, f"Simulation 1, seed {options.seed}: robot of 0.23 m"))
+    title = f"Simulation 1, seed {options.seed}: robot of {ROBOT_RADIUS:g} m"
+    if widening > 0.0:
+        title += f", narrow places widened by {widening:g} m"
+    study.figure(draw_paths(run, paths, title))
     return study.finish()
 
 
