@@ -125,7 +125,7 @@ class FakeMapper:
         self._late_map: float | None = None
         create_steady_timer(probe.node, FASTEST, self._step)
         if serves:
-            ActionServer(
+            self._server = ActionServer(
                 probe.node,
                 BuildMap,
                 names.BUILD_MAP,
@@ -142,6 +142,10 @@ class FakeMapper:
         self.behaviour = "succeed"
         self.goals = 0
         self.cancelled = 0
+
+    def leave(self) -> None:
+        """Serve no more, without a word."""
+        self._server.destroy()
 
     def publish(self) -> None:
         """Publish the map with the stamp of now."""

@@ -38,6 +38,17 @@ def test_a_missing_mapper_is_named(make_scene: Callable[..., Scene]) -> None:
     assert "nobody serves the action 'build_map'" in answer.result.message
 
 
+def test_a_mapper_that_goes_away_is_named(make_scene: Callable[..., Scene]) -> None:
+    scene = make_scene()
+    scene.mapper.behaviour = "hang"
+    handle = scene.send(goal_at(2.0, 2.0))
+    wait_until(lambda: scene.mapper.goals == 1, "the perception to begin")
+    scene.mapper.leave()
+    result = scene.result(handle).result
+    assert result.outcome == RESULT.FAILED
+    assert "'build_map'" in result.message
+
+
 def test_a_missing_planner_is_named(make_scene: Callable[..., Scene]) -> None:
     scene = make_scene(planner=False)
     result = scene.result(scene.send(goal_at(2.0, 2.0))).result
