@@ -13,11 +13,9 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fuzzy_map_building.mapper import FuzzyMapper
 from fuzzy_map_building.occupancy import risk_to_int8
@@ -30,13 +28,13 @@ from fuzzy_navigation.mission_types import (
     Commands,
     Drive,
     Finish,
-    LogEntry,
     Outcome,
     Perceive,
     Plan,
 )
 from fuzzy_navigation.params import motion_parameters, planner_parameters
 from fuzzy_navigation.planner import Planner
+from nomad_sim.mission_log import MissionLog
 from nomad_sim.params import simulator_parameters
 from nomad_sim.simulator import Simulator
 from nomad_sim.world import World
@@ -48,70 +46,6 @@ __all__ = ["CONTROL_PERIOD", "HeadlessMission", "MissionLog", "random_start", "r
 CONTROL_PERIOD = 0.05
 #: How often a random start is drawn before the place is given up.
 _DRAWS = 1000
-
-
-@dataclass(frozen=True, eq=False)
-class MissionLog:
-    """What came of a mission.
-
-    Attributes
-    ----------
-    world : str
-        Name of the world.
-    seed : int
-        Seed of the simulator.
-    start : Pose2
-        Where the robot started.
-    goal : tuple of float
-        Where it was sent (x, y) [m].
-    outcome : Outcome
-        Verdict of the mission.
-    message : str
-        The verdict in words.
-    truthful : bool
-        Whether the verdict is the one that the world expects.
-    perceptions : int
-        Perceptions made.
-    path_length : float
-        Length of the way driven [m].
-    min_clearance : float
-        Least true distance of the body to a surface [m].
-    contacts : int
-        Times that the body touched something.
-    duration : float
-        Robot's time [s].
-    wall_time : float
-        Time that it took to compute [s].
-    entries : tuple of LogEntry
-        One for each perception.
-    travelled : ndarray of float64, shape (n, 2)
-        Positions (x, y) along the way [m].
-    motion_risk, planning_risk : ndarray of float64, shape (H, W)
-        The last maps.
-    """
-
-    world: str
-    seed: int
-    start: Pose2
-    goal: tuple[float, float]
-    outcome: Outcome
-    message: str
-    truthful: bool
-    perceptions: int
-    path_length: float
-    min_clearance: float
-    contacts: int
-    duration: float
-    wall_time: float
-    entries: tuple[LogEntry, ...]
-    travelled: NDArray[np.float64]
-    motion_risk: NDArray[np.float64]
-    planning_risk: NDArray[np.float64]
-
-    @property
-    def reached(self) -> bool:
-        """Whether the robot came to its goal."""
-        return self.outcome is Outcome.REACHED
 
 
 class HeadlessMission:

@@ -1,0 +1,200 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""The groups of the motion's parameters: clearance, follower, infrareds, waiting times.
+
+"Paper" in a source is Oriolo, Ulivi, Vendittelli, IEEE Trans. SMC-B 28(3), 1998.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from fuzzy_map_building.parameter_schema import ParameterError, parameter, validate
+
+__all__ = [
+    "ROBOT_RADIUS",
+    "ClearanceParameters",
+    "FollowerParameters",
+    "InfraredParameters",
+    "TimeoutParameters",
+]
+
+#: Radius of the NOMAD 200's cylindrical body [m] (paper, section II).
+ROBOT_RADIUS = 0.23
+#: Infrared sensors in the NOMAD 200's ring (paper, section IV-B).
+INFRARED_COUNT = 16
+
+
+@dataclass(frozen=True)
+class ClearanceParameters:
+    """When the motion stops in front of an obstacle that the infrareds see."""
+
+    rule: str = parameter(
+        "closing",
+        doc="stop where the clearance at the next cell is below the limit and smaller than now "
+        "(closing), or wherever it is below the limit (strict, the paper's wording)",
+        choices=("closing", "strict"),
+        source="paper, section IV-B",
+    )
+    limit: float = parameter(
+        0.12,
+        doc="least clearance of the body",
+        unit="m",
+        minimum=0.0,
+        maximum=2.0,
+        source="paper, section V",
+    )
+    override: float = parameter(
+        0.05,
+        doc="least clearance allowed once after a perception that brought no progress; "
+        "equal to the limit: never less than the limit",
+        unit="m",
+        minimum=0.0,
+        maximum=2.0,
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+        if self.override > self.limit:
+            raise ParameterError(
+                f"parameter 'clearance.override' ({self.override} m) must not exceed "
+                f"'clearance.limit' ({self.limit} m)"
+            )
+
+
+@dataclass(frozen=True)
+class FollowerParameters:
+    """Limits of the robot and how closely it follows a path."""
+
+    max_linear: float = parameter(
+        0.6, doc="largest speed", unit="m/s", minimum=0.01, maximum=5.0, source="NOMAD 200"
+    )
+    max_angular: float = parameter(
+        math.radians(60.0),
+        doc="largest turning rate",
+        unit="rad/s",
+        minimum=0.01,
+        maximum=10.0,
+        source="NOMAD 200",
+    )
+    linear_acceleration: float = parameter(
+        0.6, doc="largest change of the speed", unit="m/s^2", minimum=0.01, maximum=20.0
+    )
+    angular_acceleration: float = parameter(
+        2.0, doc="largest change of the turning rate", unit="rad/s^2", minimum=0.01, maximum=50.0
+    )
+    max_deviation: float = parameter(
+        0.05,
+        doc="largest distance from the path; half a cell",
+        unit="m",
+        minimum=0.005,
+        maximum=1.0,
+    )
+    turn_in_place: float = parameter(
+        math.radians(30.0),
+        doc="heading error beyond which a robot on its way stops and turns on the spot; before it "
+        "sets out it always does",
+        unit="rad",
+        minimum=0.05,
+        maximum=math.pi,
+    )
+    arrival: float = parameter(
+        0.005,
+        doc="distance from the path's last point at which the robot has arrived",
+        unit="m",
+        minimum=0.0005,
+        maximum=0.5,
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@dataclass(frozen=True)
+class InfraredParameters:
+    """Ring of infrared proximity sensors that guards the motion."""
+
+    frame_ids: tuple[str, ...] = parameter(
+        tuple(f"infrared_{i}" for i in range(INFRARED_COUNT)),
+        doc="frame of each sensor, in the order of the bearings",
+        read_only=True,
+        source="paper, section IV-B",
+    )
+    bearings: tuple[float, ...] = parameter(
+        tuple(i * 2.0 * math.pi / INFRARED_COUNT for i in range(INFRARED_COUNT)),
+        doc="direction of each sensor from the robot's heading",
+        unit="rad",
+        minimum=-2.0 * math.pi,
+        maximum=2.0 * math.pi,
+        read_only=True,
+        source="paper, section IV-B",
+    )
+    mount_radius: float = parameter(
+        ROBOT_RADIUS,
+        doc="distance of the sensors' faces from the robot's centre",
+        unit="m",
+        minimum=0.0,
+        maximum=5.0,
+        source="paper, section II",
+    )
+    min_range: float = parameter(
+        0.0, doc="smallest range that counts", unit="m", minimum=0.0, maximum=10.0
+    )
+    max_range: float = parameter(
+        0.6, doc="largest range that counts", unit="m", minimum=0.01, maximum=20.0
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+        if len(self.frame_ids) != len(self.bearings):
+            raise ParameterError(
+                f"'infrared.frame_ids' ({len(self.frame_ids)}) and 'infrared.bearings' "
+                f"({len(self.bearings)}) must have the same length"
+            )
+        if len(set(self.frame_ids)) != len(self.frame_ids):
+            raise ParameterError("'infrared.frame_ids' names a frame twice")
+        if self.min_range >= self.max_range:
+            raise ParameterError(
+                f"'infrared.min_range' ({self.min_range} m) must be below "
+                f"'infrared.max_range' ({self.max_range} m)"
+            )
+
+
+@dataclass(frozen=True)
+class TimeoutParameters:
+    """How long the motion waits for others before it stops or gives up."""
+
+    pose: float = parameter(
+        0.5, doc="age of the pose at which the robot stops", unit="s", minimum=0.05, maximum=60.0
+    )
+    infrared: float = parameter(
+        0.5,
+        doc="age of the infrared readings at which the robot stops",
+        unit="s",
+        minimum=0.05,
+        maximum=60.0,
+    )
+    plan: float = parameter(10.0, doc="wait for a plan", unit="s", minimum=0.1, maximum=600.0)
+    build_map: float = parameter(
+        60.0, doc="wait for a perception to end", unit="s", minimum=0.1, maximum=3600.0
+    )
+    server: float = parameter(
+        5.0,
+        doc="wait, in wall time, for the mapper or the planner to be there, and for the planner "
+        "to know the newest map",
+        unit="s",
+        minimum=0.1,
+        maximum=600.0,
+    )
+    lost: float = parameter(
+        10.0,
+        doc="how long the robot stands and waits for lost poses or infrared readings before the "
+        "mission fails",
+        unit="s",
+        minimum=0.1,
+        maximum=3600.0,
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
