@@ -7,6 +7,7 @@ Simulated time stands until the test sets it, so that every wait ends when it is
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -346,18 +347,19 @@ def test_a_clock_that_races_does_not_cut_a_perception_short(bench: Bench) -> Non
     )
     bench.set_time(bench.start + 30.0)
     result = handle.get_result_async()
-    after = 30.0
+    stamps = itertools.count(30.0, 0.002)
     for stage, angle in enumerate(mapper_parameters().turret.angles):
-        for _ in range(2):
-            bench.joint(after, angle)
-            bench.pose(after, 2.0, 3.0)
-            after += 0.02
-        for sensor in range(16):
-            bench.range(after - 0.02, sensor, 1.0)
-        wanted = 16 * (stage + 1)
-        wait_until(
-            lambda wanted=wanted: result.done() or wanted in taken,  # type: ignore[misc]
-            f"{wanted} readings",
-        )
+
+        def all_taken(angle: float = angle, wanted: int = 16 * (stage + 1)) -> bool:
+            # Again and again: ranges may get lost.
+            before, between, behind = (next(stamps) for _ in range(3))
+            for after in (before, behind):
+                bench.joint(after, angle)
+                bench.pose(after, 2.0, 3.0)
+            for sensor in range(16):
+                bench.range(between, sensor, 1.0)
+            return result.done() or wanted in taken
+
+        wait_until(all_taken, f"the readings of stand {stage}", step=0.2)
     assert bench.probe.result_of(result).result.readings == 48
     client.destroy()
