@@ -24,6 +24,7 @@ __all__ = [
     "describe",
     "flatten",
     "from_mapping",
+    "markdown_table",
     "parameter",
     "suggest",
     "validate",
@@ -246,3 +247,39 @@ def _replace(base: Any, flat: Mapping[str, Any]) -> Any:
         if inner:
             changes[field.name] = _replace(getattr(base, field.name), inner)
     return dataclasses.replace(base, **changes)
+
+
+def markdown_table(parameters: Any) -> str:
+    """Return the parameters of a dataclass instance as a Markdown table.
+
+    Examples
+    --------
+    >>> @dataclass(frozen=True)
+    ... class Example:
+    ...     gap: float = parameter(0.5, doc="width", unit="m", minimum=0.1)
+    >>> print(markdown_table(Example()))
+    | parameter | default | unit | allowed | meaning |
+    |---|---|---|---|---|
+    | `gap` | 0.5 | m | >= 0.1 | width |
+    """
+    values = flatten(parameters)
+    rows = ["| parameter | default | unit | allowed | meaning |", "|---|---|---|---|---|"]
+    for name, info in describe(type(parameters)).items():
+        cells = (f"`{name}`", _shown(values[name]), info.unit, _allowed(info), info.doc)
+        rows.append("| " + " | ".join(cells) + " |")
+    return "\n".join(rows)
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, tuple):
+        shown = [_shown(element) for element in value]
+        return ", ".join(shown) if len(shown) <= 6 else f"{shown[0]} ... {shown[-1]}"
+    return f"{value:.6g}" if isinstance(value, float) else str(value).lower()
+
+
+def _allowed(info: ParameterInfo) -> str:
+    if info.choices:
+        return ", ".join(map(str, info.choices))
+    low = "" if info.minimum is None else f">= {info.minimum:.6g}"
+    high = "" if info.maximum is None else f"<= {info.maximum:.6g}"
+    return ", ".join(part for part in (low, high) if part)
