@@ -28,7 +28,7 @@ from fuzzy_navigation.ros.processes import (
 )
 from nomad_sim.ros.demo_options import NODES, DemoOptions, parse_options
 from nomad_sim.ros.demo_report import clear_output, summarise, write_figures
-from nomad_sim.ros.demo_text import print_end, print_header, print_perception, print_start
+from nomad_sim.ros.demo_text import print_end, print_perception, print_start
 from nomad_sim.ros.domain import reserved_domain
 from nomad_sim.ros.mission_record import MissionRecord
 from nomad_sim.ros.mission_watch import spinning
@@ -117,7 +117,6 @@ def _run(options: DemoOptions, stop: StopRequest) -> tuple[MissionRecord, str, d
         if watch.missing:
             raise NodeFailedError(f"after {START_TIMEOUT:g} s still missing: {watch.missing}")
         started = time.monotonic()
-        print_header()
         watch.ask_parameters()
         watch.send_goal(options.world.goal)
         nodes.wait(watch.over.is_set, options.timeout)

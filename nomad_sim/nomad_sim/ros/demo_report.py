@@ -12,7 +12,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from nomad_sim.render import Panel, Scene, draw_panels, save_figure
+from nomad_sim.mission_report import Moment, draw_moments
+from nomad_sim.render import Scene, save_figure
 from nomad_sim.ros.demo_options import DemoOptions
 from nomad_sim.ros.mission_record import MapSnapshot, MissionRecord
 from nomad_sim.ros.params import EPOCH
@@ -50,50 +51,39 @@ def write_figures(record: MissionRecord, options: DemoOptions) -> list[str]:
 
     Nothing is written for a run without a perception.
     """
-    moments = figure_moments(len(record.perceptions))
-    columns = [_panels(record, options, k) for k in moments]
-    if not columns:
-        return []
-    written = []
-    for k, column in zip(moments, columns, strict=True):
-        number = record.perceptions[k - 1].number
-        name = f"perception_{number:02d}.png"
-        title = f"{options.world.name}: after perception {number}"
-        save_figure(draw_panels([column], title), options.output / name)
-        written.append(name)
-    save_figure(
-        draw_panels([list(row) for row in zip(*columns, strict=True)]), options.output / OVERVIEW
-    )
-    return [*written, OVERVIEW]
+    moments = [_moment(record, options, k) for k in figure_moments(len(record.log))]
+    name = options.world.name
+    figures = {
+        f"perception_{m.perceptions:02d}.png": draw_moments([m], f"world {name}") for m in moments
+    }
+    if moments:
+        figures[OVERVIEW] = draw_moments(moments)
+    for file, figure in figures.items():
+        save_figure(figure, options.output / file)
+    return list(figures)
 
 
-def _panels(record: MissionRecord, options: DemoOptions, count: int) -> list[Panel]:
-    """Return M_m and M_p as they were after the first `count` perceptions of the record."""
-    perception = record.perceptions[count - 1]
-    last = count == len(record.perceptions)
-    until = math.inf if last else perception.stamp
-    motion = _newest(record.motion_maps, perception.stamp + SLACK)
-    planning = _newest(record.planning_maps, perception.stamp + SLACK)
+def _moment(record: MissionRecord, options: DemoOptions, count: int) -> Moment:
+    """Return how the mission stood after the first `count` perceptions of the record."""
+    entry, world = record.log[count - 1], options.world
+    last = count == len(record.log)
+    until = math.inf if last else entry.stamp
+    motion = _newest(record.motion_maps, entry.stamp + SLACK)
+    planning = _newest(record.planning_maps, entry.stamp + SLACK)
     # What stood there when the perception was made.
-    surfaces = options.world.surfaces(
-        max(0.0, perception.stamp - EPOCH * 1e-9), perception.number - 1
-    )
+    surfaces = world.surfaces(max(0.0, entry.stamp - EPOCH * 1e-9), entry.perception - 1)
     plans = [path for stamp, path in record.plans if stamp == planning.stamp]
     scene = Scene(
         segments=surfaces.segments,
         circles=surfaces.circles,
         travelled=np.array([(x, y) for t, x, y in record.way if t <= until]),
-        perceptions=np.array([(p.pose.x, p.pose.y) for p in record.perceptions[:count]]),
+        perceptions=np.array([(e.pose.x, e.pose.y) for e in record.log[:count]]),
         plan=plans[-1] if plans and not last else np.empty((0, 2)),
-        start=(options.world.start.x, options.world.start.y),
-        goal=options.world.goal,
-        robot=record.pose if last else perception.pose,
+        start=(world.start.x, world.start.y),
+        goal=world.goal,
+        robot=record.pose if last else entry.pose,
     )
-    after = f"after perception {perception.number}"
-    return [
-        Panel(motion.geometry, motion.risk, scene, f"motion map $M_m$ {after}"),
-        Panel(planning.geometry, planning.risk, scene, f"planning map $M_p$ {after}"),
-    ]
+    return Moment(entry.perception, motion.geometry, motion.risk, planning.risk, scene)
 
 
 def _newest(maps: Sequence[MapSnapshot], until: float) -> MapSnapshot:
@@ -137,7 +127,7 @@ def summarise(
         "verdict": verdict.outcome.name.lower() if verdict else None,
         "expected_verdict": options.expected,
         "message": verdict.message if verdict else problem,
-        "perceptions": verdict.perceptions if verdict else len(record.perceptions),
+        "perceptions": verdict.perceptions if verdict else len(record.log),
         "path_length_m": verdict.path_length if verdict else None,
         "contacts": contacts,
         "least_true_clearance_m": float(record.simulator.get("least_clearance", math.nan)),
@@ -154,19 +144,19 @@ def summarise(
         "lockstep": options.lockstep,
         "log": [
             {
-                "perception": p.number,
-                "stamp_s": p.stamp,
-                "x": p.pose.x,
-                "y": p.pose.y,
-                "theta": p.pose.theta,
-                "stopped_because": p.stop.name.lower(),
-                "next_phase": p.phase.name.lower(),
-                "alpha": p.alpha,
-                "distance_remaining_m": p.distance_remaining,
+                "perception": entry.perception,
+                "stamp_s": entry.stamp,
+                "x": entry.pose.x,
+                "y": entry.pose.y,
+                "theta": entry.pose.theta,
+                "stopped_by": entry.stop.name.lower(),
+                "alpha": entry.alpha,
+                "distance_remaining_m": entry.distance_remaining,
             }
-            for p in record.perceptions
+            for entry in record.log
         ],
         "figures": list(figures),
+        "simulator": record.simulator,
         "parameters": record.parameters,
     }
     text = json.dumps(_plain(summary), indent=2, allow_nan=False)

@@ -6,11 +6,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from fuzzy_navigation.mission_types import LogEntry, Phase
 from fuzzy_navigation.ros.processes import DISCOVERY_RANGE
+from nomad_sim.mission_report import entry_line
 from nomad_sim.ros.demo_options import DemoOptions
-from nomad_sim.ros.mission_record import MissionRecord, Perception
+from nomad_sim.ros.mission_record import MissionRecord
 
-__all__ = ["print_end", "print_header", "print_perception", "print_start"]
+__all__ = ["print_end", "print_perception", "print_start"]
 
 
 def print_start(options: DemoOptions, domain: int, discovery_range: str) -> None:
@@ -26,19 +28,9 @@ def print_start(options: DemoOptions, domain: int, discovery_range: str) -> None
     )
 
 
-def print_header() -> None:
-    """Name the columns of `print_perception`."""
-    print("  k  time [s]   x [m]   y [m]  phase     stopped by   alpha  left [m]", flush=True)
-
-
-def print_perception(p: Perception) -> None:
-    """Write a line for a perception: the rung is that of the path that led there."""
-    print(
-        f"{p.number:3d}  {p.stamp:8.2f}  {p.pose.x:6.2f}  {p.pose.y:6.2f}  "
-        f"{p.phase.name.lower():8s}  {p.stop.name.lower():11s}  {p.alpha:5.2f}  "
-        f"{p.distance_remaining:8.2f}",
-        flush=True,
-    )
+def print_perception(entry: LogEntry, phase: Phase) -> None:
+    """Write a line for a perception, with what the robot does next."""
+    print(f"{entry_line(entry)}; {phase.name.lower()}", flush=True)
 
 
 def print_end(

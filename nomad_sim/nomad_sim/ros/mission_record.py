@@ -13,40 +13,9 @@ from numpy.typing import NDArray
 
 from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.types import Pose2
-from fuzzy_navigation.mission_types import Outcome, Phase, Stop
+from fuzzy_navigation.mission_types import LogEntry, Outcome
 
-__all__ = ["MapSnapshot", "MissionRecord", "Perception", "Verdict"]
-
-
-@dataclass(frozen=True)
-class Perception:
-    """A perception as the mission told of it when it was made.
-
-    Parameters
-    ----------
-    number : int
-        Serial number, from 1.
-    stamp : float
-        Simulated time [s].
-    pose : Pose2
-        Where.
-    phase : Phase
-        What the robot did next.
-    stop : Stop
-        Why it had stopped there.
-    alpha : float
-        Rung of the path that led there, 0 for the first.
-    distance_remaining : float
-        Length of the path left [m].
-    """
-
-    number: int
-    stamp: float
-    pose: Pose2
-    phase: Phase
-    stop: Stop
-    alpha: float
-    distance_remaining: float
+__all__ = ["MapSnapshot", "MissionRecord", "Verdict"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +75,8 @@ class MissionRecord:
 
     Attributes
     ----------
-    perceptions : list of Perception
+    log : list of LogEntry
+        What the mission told of each perception when it was made.
     motion_maps, planning_maps : list of MapSnapshot
         In the order of their publication.
     plans : list of (stamp, ndarray of float64, shape (n, 2))
@@ -125,7 +95,7 @@ class MissionRecord:
         Once the mission is over.
     """
 
-    perceptions: list[Perception] = field(default_factory=list)
+    log: list[LogEntry] = field(default_factory=list)
     motion_maps: list[MapSnapshot] = field(default_factory=list)
     planning_maps: list[MapSnapshot] = field(default_factory=list)
     plans: list[tuple[float, NDArray[np.float64]]] = field(default_factory=list)

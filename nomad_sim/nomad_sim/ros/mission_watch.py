@@ -37,8 +37,8 @@ from fuzzy_map_building.ros.conversions import (
     stamped_pose_from_msg,
 )
 from fuzzy_map_building.types import Pose2
-from fuzzy_navigation.mission_types import Outcome, Phase, Stop
-from nomad_sim.ros.mission_record import MapSnapshot, MissionRecord, Perception, Verdict
+from fuzzy_navigation.mission_types import LogEntry, Outcome, Phase, Stop
+from nomad_sim.ros.mission_record import MapSnapshot, MissionRecord, Verdict
 
 __all__ = ["MissionWatch", "spinning"]
 
@@ -56,7 +56,7 @@ class MissionWatch(Node):
     Parameters
     ----------
     on_perception : callable
-        Called with each `Perception` when it is told of.
+        Called with each perception when it is told of, and with what the robot does next.
     wanted : mapping of str to sequence of str
         Parameters to ask for, by name of the node.
 
@@ -72,7 +72,7 @@ class MissionWatch(Node):
 
     def __init__(
         self,
-        on_perception: Callable[[Perception], None],
+        on_perception: Callable[[LogEntry, Phase], None],
         wanted: Mapping[str, Sequence[str]],
     ) -> None:
         super().__init__("demo")
@@ -155,21 +155,20 @@ class MissionWatch(Node):
 
     def _on_feedback(self, message: Any) -> None:
         feedback: Navigate.Feedback = message.feedback
-        known = self.record.perceptions
-        if feedback.perceptions <= (known[-1].number if known else 0):
+        log = self.record.log
+        if feedback.perceptions <= (log[-1].perception if log else 0):
             return
         stamp, pose = stamped_pose_from_msg(feedback.pose)
-        perception = Perception(
-            number=feedback.perceptions,
+        entry = LogEntry(
+            perception=feedback.perceptions,
             stamp=stamp,
             pose=pose,
-            phase=Phase(feedback.phase),
             stop=Stop(feedback.last_stop),
             alpha=round(feedback.alpha, DECIMALS),
             distance_remaining=round(feedback.distance_remaining, DECIMALS),
         )
-        known.append(perception)
-        self._on_perception(perception)
+        log.append(entry)
+        self._on_perception(entry, Phase(feedback.phase))
 
     def _on_true_pose(self, message: PoseStamped) -> None:
         self.record.time, pose = stamped_pose_from_msg(message)
@@ -193,7 +192,7 @@ class MissionWatch(Node):
 
 @contextlib.contextmanager
 def spinning(
-    on_perception: Callable[[Perception], None],
+    on_perception: Callable[[LogEntry, Phase], None],
     wanted: Mapping[str, Sequence[str]],
     domain: int,
 ) -> Iterator[MissionWatch]:

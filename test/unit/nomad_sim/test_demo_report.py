@@ -11,12 +11,12 @@ import pytest
 
 from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.types import Pose2
-from fuzzy_navigation.mission_types import Outcome, Phase, Stop
-from nomad_sim.render import Panel
+from fuzzy_navigation.mission_types import LogEntry, Outcome, Stop
+from nomad_sim.mission_report import Moment
 from nomad_sim.ros import demo_report
 from nomad_sim.ros.demo_options import DemoOptions, parse_options
 from nomad_sim.ros.demo_report import clear_output, figure_moments, summarise, write_figures
-from nomad_sim.ros.mission_record import MapSnapshot, MissionRecord, Perception, Verdict
+from nomad_sim.ros.mission_record import MapSnapshot, MissionRecord, Verdict
 
 GEOMETRY = GridGeometry(76, 63, 0.1)
 
@@ -38,7 +38,7 @@ def record_of(count: int) -> MissionRecord:
     for k in range(1, count + 1):
         pose = Pose2(1.0 + 0.1 * k, 5.0, 0.0)
         stop = Stop.NONE if k == 1 else Stop.UNEXPLORED
-        record.perceptions.append(Perception(k, 10.0 * k, pose, Phase.PLANNING, stop, 0.6, 4.0))
+        record.log.append(LogEntry(k, 10.0 * k, pose, stop, 0.6, 4.0))
         record.plans.append((10.0 * k + 0.05, np.array([[0.0, 0.0], [float(k), 1.0]])))
     record.way.append((10.0 * count + 5.0, 5.3, 5.4))
     record.time, record.pose = 10.0 * count + 5.0, Pose2(5.3, 5.4, 0.3)
@@ -57,18 +57,17 @@ def test_the_moments_are_the_papers_and_the_last(count: int, moments: list[int])
 def test_each_figure_shows_what_was_known_then(
     options: DemoOptions, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    drawn: list[list[list[Panel]]] = []
-    monkeypatch.setattr(demo_report, "draw_panels", lambda panels, *_: drawn.append(panels))
+    drawn: list[list[Moment]] = []
+    monkeypatch.setattr(demo_report, "draw_moments", lambda moments, *_: drawn.append(moments))
     monkeypatch.setattr(demo_report, "save_figure", lambda *_: None)
     names = write_figures(record_of(18), options)
     assert names == [f"perception_{k:02d}.png" for k in (4, 5, 13, 18)] + ["maps.png"]
-    for panels, k in zip(drawn, (4, 5, 13, 18), strict=False):
-        motion, planning = panels[0]
-        assert motion.risk is not None
-        assert planning.risk is not None
-        assert (motion.risk == k / 100.0).all()
-        assert (planning.risk == (50 + k) / 100.0).all()
-        scene = motion.scene
+    overview = drawn.pop()
+    assert [moment.perceptions for moment in overview] == [4, 5, 13, 18]
+    for (moment,), k in zip(drawn, (4, 5, 13, 18), strict=True):
+        assert (moment.motion_risk == k / 100.0).all()
+        assert (moment.planning_risk == (50 + k) / 100.0).all()
+        scene = moment.scene
         assert len(scene.perceptions) == k
         last = k == 18
         assert scene.travelled[-1].tolist() == ([5.3, 5.4] if last else [1.0 + 0.1 * k, 5.0])
@@ -76,8 +75,6 @@ def test_each_figure_shows_what_was_known_then(
         assert last or scene.plan[1, 0] == k
         # The person is there until 16 perceptions have been taken.
         assert len(scene.circles) == (1 if k <= 16 else 0)
-    overview = drawn[-1]
-    assert [[p.title.split()[-1] for p in row] for row in overview] == [["4", "5", "13", "18"]] * 2
 
 
 def test_a_run_without_a_perception_leaves_no_figure(options: DemoOptions) -> None:
