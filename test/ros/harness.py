@@ -43,6 +43,8 @@ T = TypeVar("T")
 
 #: Longest wait for anything that takes a fraction of a second on a machine without load [s].
 DEADLINE = 20.0
+#: Longest wait for a process to come up, on a machine that is busy compiling as well [s].
+START_DEADLINE = 60.0
 #: Pause between two looks at a condition [s].
 POLL = 0.01
 
@@ -234,7 +236,7 @@ class NodeProcess:
         """Return what the process has written to stdout and stderr."""
         return self.log.read_text(errors="replace")
 
-    def wait_for_output(self, text: str, timeout: float = DEADLINE) -> str:
+    def wait_for_output(self, text: str, timeout: float = START_DEADLINE) -> str:
         """Return the output once it contains `text`."""
 
         def found() -> bool:
