@@ -389,7 +389,6 @@ class Mission:
         self._state = _State.IDLE
         self._request.settle()
         self._hold.end()
-        self._motion.halt()
         return [Drive(0.0, 0.0), self._record.finish(*verdict, self._time.elapsed)]
 
     def _distance_remaining(self) -> float:

@@ -112,6 +112,12 @@ def test_a_reversal_is_turned_on_the_spot() -> None:
     assert record[-1, 1] == pytest.approx(0.1, abs=0.005)
 
 
+def test_a_corner_too_sharp_to_be_rounded_is_turned_on_the_spot() -> None:
+    points = np.array([(0.0, 0.0), (0.5, 0.0), (0.2, 0.3)])
+    record = drive(points)
+    assert np.hypot(record[:, 1] - 0.5, record[:, 2]).min() < 0.003
+
+
 def test_progress_is_told_at_each_point_of_the_path() -> None:
     follower = Follower(LIMITS)
     points = line(1.0)

@@ -17,6 +17,7 @@ from fuzzy_navigation.mission_types import (
     Plan,
     Stop,
 )
+from fuzzy_navigation.motion import LEAST_SPEED
 from fuzzy_navigation.planner import PlanResult, PlanStatus
 from unit.fuzzy_navigation.mission_script import (
     DT,
@@ -222,6 +223,20 @@ def test_a_wall_that_appears_in_front_makes_it_brake_within_its_clearance() -> N
     script.run()
     assert script.mission.feedback().last_stop is Stop.CLEARANCE
     assert wall - script.pose.x - 0.23 > 0.0
+
+
+@pytest.mark.parametrize("clearance", [0.02, 0.13, 0.2, 0.4])
+def test_beside_a_wall_it_is_no_faster_than_its_clearance_lets_it_brake(clearance: float) -> None:
+    script = Script()
+    script.pose = Pose2(1.05, 0.55, 0.5 * math.pi)
+    script.seen = wall_at(1.05 + 0.23 + clearance)
+    script.set_out((1.05, 3.05))
+    assert finish_of(script.run()).outcome is Outcome.REACHED
+    v = max(c.linear for c in script.commands if isinstance(c, Drive))
+    a = script.parameters.follower.linear_acceleration
+    assert v <= max(math.sqrt(2.0 * a * clearance), LEAST_SPEED)
+    # But it does not crawl.
+    assert v >= min(0.75 * math.sqrt(2.0 * a * clearance) - 0.05, 0.5)
 
 
 def test_along_a_wall_that_is_too_close_it_may_leave() -> None:
@@ -607,6 +622,19 @@ def test_a_clock_that_steps_back_neither_ends_nor_blinds_it() -> None:
     script.now -= 50.0
     assert finish_of(script.run()).outcome is Outcome.REACHED
     assert finish_of(tuple(script.commands)).duration < 10.0
+
+
+def test_after_a_step_back_of_the_clock_it_still_sees() -> None:
+    script = Script()
+    script.set_out(GOAL)
+    while script.pose.x < 1.5:
+        script.tick()
+    script.now -= 50.0
+    script.tick()
+    script.seen = wall_at(2.5)
+    script.run()
+    assert script.mission.feedback().last_stop is Stop.CLEARANCE
+    assert script.pose.x == pytest.approx(2.15, abs=0.01)
 
 
 # -- who interferes -----------------------------------------------------------------------------
