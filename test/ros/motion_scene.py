@@ -4,7 +4,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
+from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
@@ -114,3 +117,18 @@ class Scene:
             ),
             what=f"the counts {wanted}",
         )
+
+
+@contextlib.contextmanager
+def staged(log: Path) -> Iterator[Scene]:
+    """Run a motion process with all its partners; it has to end cleanly."""
+    probe = Probe()
+    motion = NodeProcess("motion", log, parameters=PARAMETERS)
+    try:
+        scene = Scene(probe, motion)
+        yield scene
+        scene.close()
+        motion.assert_clean_stop()
+    finally:
+        motion.close()
+        probe.close()

@@ -6,43 +6,27 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
-import numpy as np
 import pytest
 from action_msgs.msg import GoalStatus
 from fuzzy_msgs.action import Navigate
 from fuzzy_msgs.srv import PlanPath
 from geometry_msgs.msg import PoseStamped
-from nav_msgs.msg import OccupancyGrid
 from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
-from sensor_msgs.msg import Range
 
 from fuzzy_map_building.ros import names, qos
-from fuzzy_map_building.ros.clock import stamp_from_seconds
-from fuzzy_map_building.ros.conversions import grid_to_msg, pose_to_msg
-from fuzzy_map_building.types import Pose2
-from ros.harness import NodeProcess, Probe, wait_until
-from ros.motion_fakes import FRAMES, GEOMETRY
-from ros.motion_scene import PARAMETERS, RESULT, Scene, goal_at
+from ros.harness import wait_until
+from ros.motion_scene import PARAMETERS, RESULT, Scene, goal_at, staged
 
 
 @pytest.fixture(scope="module")
 def stage(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Scene]:
     """One process for all tests of this module."""
-    log = tmp_path_factory.mktemp("motion") / "motion.log"
-    probe = Probe()
-    motion = NodeProcess("motion", log, parameters=PARAMETERS)
-    try:
-        out = Scene(probe, motion)
-        yield out
-        out.close()
-        motion.assert_clean_stop()
-    finally:
-        motion.close()
-        probe.close()
+    with staged(tmp_path_factory.mktemp("motion") / "motion.log") as scene:
+        yield scene
 
 
 @pytest.fixture
@@ -233,125 +217,6 @@ def test_what_the_planner_answers_is_heeded(
     assert result.outcome == outcome
     assert reason in result.message
     assert all(v == w == 0.0 for _, v, w in scene.robot.commands)
-
-
-def test_bad_goals_are_refused_and_the_running_one_goes_on(scene: Scene) -> None:
-    good = scene.go(3.5, 2.5)
-    tilted = goal_at(2.0, 2.0)
-    tilted.pose.orientation.x, tilted.pose.orientation.w = 1.0, 0.0
-    bad = [
-        (goal_at(2.0, 2.0, "odom"), 0.0, "frame 'odom', expected 'map'"),
-        (goal_at(math.nan, 2.0), 0.0, "not finite"),
-        (goal_at(2.0, math.inf), 0.0, "not finite"),
-        (goal_at(-1.0, 2.0), 0.0, "outside the map"),
-        (goal_at(4.05, 2.0), 0.0, "outside the map"),
-        (goal_at(2.0, 1e9), 0.0, "beyond"),
-        (tilted, 0.0, "tilted"),
-        (goal_at(2.0, 2.0), -0.1, "tolerance"),
-        (goal_at(2.0, 2.0), math.nan, "tolerance"),
-        (goal_at(2.0, 2.0), math.inf, "tolerance"),
-    ]
-    for goal, tolerance, reason in bad:
-        answer = scene.result(scene.send(goal, tolerance))
-        assert answer.status == GoalStatus.STATUS_ABORTED
-        assert answer.result.outcome == RESULT.FAILED
-        assert reason in answer.result.message
-    scene.counts(
-        navigate__wrong_frame=1,
-        navigate__not_finite=2,
-        navigate__outside=2,
-        navigate__too_far=1,
-        navigate__tilted=1,
-        navigate__bad_request=3,
-    )
-    goals = scene.probe.publisher(PoseStamped, names.GOAL_POSE, qos.RELIABLE)
-    goals.publish(goal_at(math.nan, 0.0))
-    scene.counts(goal_pose__not_finite=1)
-    assert scene.result(good).result.outcome == RESULT.REACHED
-
-
-def test_bad_poses_and_ranges_are_refused_and_counted(scene: Scene) -> None:
-    handle = scene.go(3.5, 2.5)
-    poses = scene.probe.publisher(PoseStamped, names.POSE, qos.RELIABLE)
-    ranges = scene.probe.publisher(Range, names.INFRARED, qos.RANGES)
-
-    def pose(x: float, stamp: float, frame: str = "map") -> PoseStamped:
-        return pose_to_msg(Pose2(x, 1.0), stamp_from_seconds(stamp), frame)
-
-    nan = pose(1.0, scene.robot.time)
-    nan.pose.position.x = math.nan
-    unstamped = pose(1.0, 0.0)
-    now = scene.robot.time
-    for message in (
-        pose(9.0, now, "odom"),
-        nan,
-        unstamped,
-        pose(9.0, now + 100.0),
-        pose(9.0, now - 0.1),
-    ):
-        poses.publish(message)
-    near = {"range": 0.01, "max_range": 0.8}
-    for frame, stamp in (
-        ("infrared_7", now),
-        ("", now),
-        ("infrared_0", 0.0),
-        ("infrared_0", now + 100.0),
-        ("infrared_0", now - 0.1),
-    ):
-        message = Range(**near)
-        message.header.frame_id = frame
-        message.header.stamp = stamp_from_seconds(stamp)
-        ranges.publish(message)
-    faulty = Range(range=math.nan, max_range=0.8)
-    faulty.header.frame_id, faulty.header.stamp = FRAMES[0], stamp_from_seconds(now + 0.01)
-    ranges.publish(faulty)
-    scene.counts(
-        pose__wrong_frame=1,
-        pose__not_finite=1,
-        pose__no_stamp=1,
-        pose__future=1,
-        pose__out_of_order=1,
-        infrared__unknown_frame=2,
-        infrared__no_stamp=1,
-        infrared__future=1,
-        infrared__out_of_order=1,
-    )
-    # None of them moved or stopped the robot.
-    result = scene.result(handle).result
-    assert (result.outcome, result.min_clearance) == (RESULT.REACHED, math.inf)
-
-
-def test_bad_maps_are_refused_and_the_good_one_stays(scene: Scene) -> None:
-    handle = scene.go(3.5, 2.5)
-    maps = scene.probe.publisher(OccupancyGrid, names.MOTION_MAP, qos.LATCHED)
-    stamp = stamp_from_seconds(scene.robot.time)
-    wall = np.full(GEOMETRY.shape, 100, np.int8)
-
-    def broken(change: Callable[[OccupancyGrid], None]) -> OccupancyGrid:
-        message = grid_to_msg(wall, GEOMETRY, stamp)
-        change(message)
-        return message
-
-    def set_frame(message: OccupancyGrid) -> None:
-        message.header.frame_id = "odom"
-
-    def turn(message: OccupancyGrid) -> None:
-        message.info.origin.orientation.z, message.info.origin.orientation.w = 0.6, 0.8
-
-    def shrink(message: OccupancyGrid) -> None:
-        message.info.width = 7
-
-    def empty(message: OccupancyGrid) -> None:
-        message.info.width = message.info.height = 0
-        message.data = []
-
-    unknown = grid_to_msg(np.full(GEOMETRY.shape, -1, np.int8), GEOMETRY, stamp)
-    reasons = ["wrong_frame", "rotated", "size", "geometry", "unknown"]
-    messages = [*map(broken, (set_frame, turn, shrink, empty)), unknown]
-    for reason, message in zip(reasons, messages, strict=True):
-        maps.publish(message)
-        scene.counts(**{f"motion_map__{reason}": 1})
-    assert scene.result(handle).result.outcome == RESULT.REACHED
 
 
 @pytest.mark.parametrize("source", ["pose", "infrared"])

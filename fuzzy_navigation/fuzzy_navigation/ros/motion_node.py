@@ -27,6 +27,7 @@ from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.ros import names, qos
 from fuzzy_map_building.ros.clock import create_steady_timer, now_seconds, seconds_from_stamp
 from fuzzy_map_building.ros.conversions import (
+    RangeSample,
     Refused,
     range_from_msg,
     risk_from_msg,
@@ -131,7 +132,7 @@ class MotionNode(Node):
 
     def _take_range(self, message: Range) -> None:
         try:
-            sample = range_from_msg(message, self._frames, what="infrared range")
+            sample = _usable(range_from_msg(message, self._frames, what="infrared range"))
             tick = self._ticks.on_range(
                 self._clock_time(), sample.sensor, sample.stamp, sample.range
             )
@@ -309,6 +310,16 @@ class MotionNode(Node):
     def _clock_time(self) -> float:
         """Return the clock's time [s], infinite before simulated time has begun."""
         return now_seconds(self) or math.inf
+
+
+def _usable(sample: RangeSample) -> RangeSample:
+    if sample.range >= 0.0 or sample.range == -math.inf:
+        return sample
+    raise Refused(
+        "faulty",
+        f"infrared sensor {sample.sensor} reports a range of {sample.range} m; REP 117 has "
+        "distances, +inf for none and -inf for too close",
+    )
 
 
 def main() -> int:
