@@ -26,7 +26,6 @@ __all__ = [
     "inside",
     "nearest",
     "nearest_distance",
-    "nearest_distances",
 ]
 
 FloatArray = NDArray[np.float64]
@@ -208,36 +207,6 @@ def nearest_distance(
         gap = math.hypot(x - circles[j, 0], y - circles[j, 1]) - circles[j, 2]
         distance = min(distance, gap)
     return distance
-
-
-@njit
-def nearest_distances(
-    x: FloatArray,
-    y: FloatArray,
-    segments: FloatArray,
-    circles: FloatArray,
-    solids: NDArray[np.int64],
-) -> FloatArray:
-    """Return `nearest_distance` on a grid.
-
-    Parameters
-    ----------
-    x : ndarray of float64, shape (W,)
-    y : ndarray of float64, shape (H,)
-        Coordinates of the columns and rows [m].
-    segments, circles, solids : ndarray
-        As for `nearest_distance`.
-
-    Returns
-    -------
-    ndarray of float64, shape (H, W)
-        Distances [m].
-    """
-    out = np.empty((y.shape[0], x.shape[0]))
-    for row in range(y.shape[0]):
-        for column in range(x.shape[0]):
-            out[row, column] = nearest_distance(x[column], y[row], segments, circles, solids)
-    return out
 
 
 @njit

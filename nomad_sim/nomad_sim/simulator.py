@@ -29,6 +29,10 @@ _NANO = 1_000_000_000
 _PARTS = 5
 # Clearance at which a touch is over [m].
 _RELEASE = 1e-3
+# Clearance at which the body rests on what it touches [m].
+_RESTING = 1e-7
+# Overlap that is none: driving along a wall in touch with it must not jam [m].
+_ROUNDING = 1e-9
 # Longest step [s].
 _LONGEST = 1.0
 # Largest angle that the turret is sent to [rad].
@@ -271,12 +275,13 @@ class Simulator:
             return self._clearance_at(there, surfaces)
 
         # Whoever is inside an obstacle, since it came over him, may still get out.
-        if clearance(1.0) >= min(0.0, now):
+        least = min(-_ROUNDING, now)
+        if clearance(1.0) >= least:
             return 1.0
         low, high = 0.0, 1.0
-        for _ in range(30):
+        for _ in range(20 if now > _RESTING else 0):
             middle = 0.5 * (low + high)
-            if clearance(middle) >= min(0.0, now):
+            if clearance(middle) >= least:
                 low = middle
             else:
                 high = middle
@@ -286,7 +291,7 @@ class Simulator:
         """Update clearance and contact."""
         self._clearance = self._clearance_at(self._pose, surfaces)
         self._least_clearance = min(self._least_clearance, self._clearance)
-        if blocked or self._clearance < 0.0:
+        if blocked or self._clearance < -_ROUNDING:
             if not self._contact:
                 self._contacts += 1
             self._contact = True

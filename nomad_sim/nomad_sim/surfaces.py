@@ -244,7 +244,31 @@ class Surfaces:
         -------
         ndarray of float64, shape (H, W)
         """
-        return ray_casting.nearest_distances(x, y, self.segments, self.circles, self.solids)
+        column, row = x[None, :], y[:, None]
+        square = np.full((len(y), len(x)), np.inf)
+        for x0, y0, x1, y1 in self.segments:
+            ex, ey = x1 - x0, y1 - y0
+            along = ((column - x0) * ex + (row - y0) * ey) / (ex * ex + ey * ey)
+            np.clip(along, 0.0, 1.0, out=along)
+            dx, dy = column - x0 - along * ex, row - y0 - along * ey
+            np.minimum(square, dx * dx + dy * dy, out=square)
+        distance: FloatArray = np.sqrt(square)
+        distance[self._inside(column, row)] *= -1.0
+        for cx, cy, radius in self.circles:
+            np.minimum(distance, np.hypot(column - cx, row - cy) - radius, out=distance)
+        return distance
+
+    def _inside(self, column: FloatArray, row: FloatArray) -> BoolArray:
+        """Whether the points of a grid lie in a solid polygon, shape (H, W)."""
+        covered = np.zeros((row.size, column.size), dtype=bool)
+        for start, stop in self.solids:
+            odd = np.zeros_like(covered)
+            for x0, y0, x1, y1 in self.segments[start:stop]:
+                if y0 != y1:
+                    spans = (y0 > row) != (y1 > row)
+                    odd ^= spans & (column < x0 + (row - y0) / (y1 - y0) * (x1 - x0))
+            covered |= odd
+        return covered
 
 
 def _in_order(parts: Sequence[Surfaces], values: Sequence[NDArray[S]]) -> NDArray[S]:

@@ -229,7 +229,7 @@ class World:
             raise ValueError(
                 f"the expected outcome is 'reached' or 'unreachable', got {self.expected!r}"
             )
-        object.__setattr__(self, "_memory", ((), self.still))
+        object.__setattr__(self, "_memory", None)
 
     def geometry(self, resolution: float) -> GridGeometry:
         """Return a grid over the area with cells of `resolution` [m]."""
@@ -259,11 +259,10 @@ class World:
             return self.still
         places = tuple(m.place(time, perceptions) for m in self.moving)
         # What stands still between two calls is not put together anew.
-        memory: tuple[Any, Surfaces] = self._memory  # type: ignore[attr-defined]
-        if memory[0] != places:
-            there = [
-                s.shifted(*p) for s, p in zip(self._moving, places, strict=True) if p is not None
-            ]
+        memory: tuple[Any, Surfaces] | None = self._memory  # type: ignore[attr-defined]
+        if memory is None or memory[0] != places:
+            moving = zip(self._moving, places, strict=True)
+            there = [s.shifted(*place) for s, place in moving if place is not None]
             memory = (places, self.still.joined(there))
             object.__setattr__(self, "_memory", memory)
         return memory[1]

@@ -109,7 +109,18 @@ def test_distance_by_hand():
     assert Surfaces.of([]).distance(0.0, 0.0) == math.inf
     grid = s.distances(np.array([1.0, 3.2]), np.array([0.5, 3.0, 0.6]))
     expected = [[s.distance(x, y) for x in (1.0, 3.2)] for y in (0.5, 3.0, 0.6)]
-    assert grid.tolist() == expected
+    assert grid == pytest.approx(np.array(expected))
+
+
+def test_distances_of_a_grid_are_those_of_its_points():
+    rng = np.random.default_rng(1)
+    star = rng.uniform(-2.0, 2.0, (7, 2))
+    star = star[np.argsort(np.arctan2(star[:, 1], star[:, 0]))]
+    s = Surfaces.of([outline(star), box(1.0, 1.0, 2.0, 3.0), circle(-1.0, 2.0, 0.7)])
+    x, y = np.linspace(-3.0, 3.0, 17), np.linspace(-2.5, 3.5, 19)
+    expected = np.array([[s.distance(a, b) for a in x] for b in y])
+    assert s.distances(x, y) == pytest.approx(expected, abs=1e-12)
+    assert (expected < 0.0).any()
 
 
 def test_too_many_crossings_are_refused():
