@@ -177,8 +177,8 @@ def _parser() -> argparse.ArgumentParser:
         "--lockstep",
         action=argparse.BooleanOptionalAction,
         default=True,
-        help="whether simulated time waits for the motion's answers, so that a slow machine "
-        "gives the same run as a fast one (default: yes)",
+        help="whether simulated time waits for the motion's answers, so that the robot is "
+        "controlled on a slow machine as on a fast one (default: yes)",
     )
     parser.add_argument(
         "--timeout",

@@ -70,7 +70,7 @@ class SimulationParameters(SimulatorParameters):
     lockstep: bool = parameter(
         False,
         doc="whether, while somebody commands velocities, each tick waits for the command that "
-        "answers the one before, so that a slow machine gives the same run as a fast one",
+        "answers the one before, so that a slow machine controls the robot as a fast one does",
     )
     lockstep_timeout: float = parameter(
         1.0,

@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """When the simulator may take its next tick: the pace of the wall clock, and the lockstep.
 
-In lockstep a tick waits for the velocity command that answers the tick before it. Whether
-a command is an answer cannot be read from it, so the two sides are brought into step once:
-after the first command the ticks pause for `SETTLE_TIME`, in which commands under way
-arrive; from then on there is one command for one tick.
+In lockstep a tick waits for the velocity command that answers the tick before it. Which
+tick a command answers cannot be read from it, and whoever commands may have a backlog of
+ticks when he begins. So the two sides are brought into step once: after the first command
+the ticks pause until no further command has come for `SETTLE_TIME`; from then on there is
+one command for one tick.
 
 Pure logic: wall time comes as an argument and is only compared.
 """
@@ -17,15 +18,15 @@ from typing import Final
 
 __all__ = ["BACKLOG", "SETTLE_TIME", "TickGate"]
 
-#: Pause after the first command, longer than an answer is under way [s].
-SETTLE_TIME: Final = 0.05
+#: Silence after which a commander is taken to have no backlog any more [s].
+SETTLE_TIME: Final = 0.2
 #: Delay behind the pace up to which ticks are made up for; beyond it they are given up [s].
 BACKLOG: Final = 0.25
 
 
 class _State(enum.Enum):
     FREE = enum.auto()  # no command is waited for
-    SETTLING = enum.auto()  # the first command has come; those under way may still arrive
+    SETTLING = enum.auto()  # the first command has come; those to older ticks may follow
     WAITING = enum.auto()  # a tick is taken, its answer is not there
     ANSWERED = enum.auto()
 
@@ -42,7 +43,7 @@ class TickGate:
     lockstep : bool
         Whether ticks wait for commands.
     timeout : float
-        Longest wait for a command [s of wall time].
+        Longest wait for a command, and for silence at the beginning [s of wall time].
 
     Attributes
     ----------
@@ -58,7 +59,7 @@ class TickGate:
         self.timeouts = 0
         self.dropped = 0.0
         self._state = _State.FREE
-        self._since = now
+        self._since = self._last_command = now
         self.configure(now, period, lockstep, timeout)
 
     def configure(self, now: float, period: float, lockstep: bool, timeout: float) -> None:
@@ -81,6 +82,7 @@ class TickGate:
 
     def commanded(self, now: float) -> None:
         """Take note of a command at wall time `now` [s]."""
+        self._last_command = now
         if self._state is _State.WAITING:
             self._state = _State.ANSWERED
         elif self._state is _State.FREE and self._lockstep:
@@ -100,7 +102,8 @@ class TickGate:
             self.timeouts += 1
             self.disengage()
         elif self._state is _State.SETTLING:
-            until = max(until, self._since + SETTLE_TIME)
+            silence = self._last_command + SETTLE_TIME
+            until = max(until, min(silence, self._since + self._timeout))
         return max(0.0, until - now)
 
     def ticked(self, now: float) -> None:

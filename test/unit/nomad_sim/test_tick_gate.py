@@ -55,9 +55,9 @@ def test_in_lockstep_each_tick_has_one_command() -> None:
     gate.ticked(0.0)
     gate.commanded(0.1)
     assert gate.engaged
-    gate.commanded(0.11)  # was under way: belongs to no tick
-    now = 0.1 + SETTLE_TIME
-    assert gate.wait(0.12) == pytest.approx(now - 0.12)
+    gate.commanded(0.25)  # an answer to an older tick: there is a backlog
+    assert gate.wait(0.35) == pytest.approx(0.25 + SETTLE_TIME - 0.35)
+    now = 0.25 + SETTLE_TIME
     assert gate.wait(now) == 0.0
     for _ in range(10):
         gate.ticked(now)
@@ -66,6 +66,31 @@ def test_in_lockstep_each_tick_has_one_command() -> None:
         gate.commanded(now)
         assert gate.wait(now) == 0.0
     assert gate.timeouts == 0
+
+
+def test_a_backlog_of_answers_puts_nobody_out_of_step() -> None:
+    """A commander that is ten ticks behind when it begins is none behind afterwards."""
+    gate = TickGate(0.0, 0.0, lockstep=True, timeout=1.0)
+    now, ticks, answered = 0.0, 10, 0
+    for _ in range(400):
+        now += 0.02  # the commander takes this long for an answer, if there is a tick to answer
+        if answered < ticks:
+            answered += 1
+            gate.commanded(now)
+        if gate.wait(now) == 0.0:
+            assert answered == ticks
+            gate.ticked(now)
+            ticks += 1
+    assert ticks > 300
+
+
+def test_the_wait_for_silence_is_bounded() -> None:
+    gate = TickGate(0.0, 0.0, lockstep=True, timeout=1.0)
+    now = 0.0
+    while gate.wait(now) > 0.0 or now == 0.0:
+        gate.commanded(now)  # somebody who commands at a pace of his own
+        now += 0.05
+    assert now == pytest.approx(1.0, abs=0.06)
 
 
 def test_in_lockstep_an_early_command_does_not_break_the_pace() -> None:
