@@ -371,19 +371,19 @@ class Mission:
         # A cell, less what the follower may stop short of it.
         progress = self._motion.progress >= 0.9 * self._motion.path.resolution
         self._record.stopped(self._motion.stopped, progress)
-        self._remember(progress)
+        self._remember()
         verdict = verdicts.stalemate(self._record, self._here, self._p)
         return self._finish(verdict) if verdict else self._perceive()
 
-    def _remember(self, progress: bool) -> None:
+    def _remember(self) -> None:
         """Keep in mind where the motion could not go on."""
         assert self._area is not None
         if self._motion.stopped is Stop.CLEARANCE:
             hits = self._ring.hits(self._time.clock, self._p.timeout.infrared)
             self._refused.add_obstacle(self._record.perceptions, hits, self._area.geometry)
-        elif self._motion.stopped is Stop.UNEXPLORED and not progress:
-            # Seen from the cell before it, and still not known to be free.
-            self._refused.add(self._record.perceptions, *self._motion.next_point)
+        elif self._motion.stopped is Stop.UNEXPLORED and self._record.without_progress > 1:
+            # Seen twice from the cell before it, and still not known to be free.
+            self._refused.add_unexplored(self._record.perceptions, *self._motion.next_point)
 
     def _finish(self, verdict: verdicts.Verdict) -> list[Command]:
         self._state = _State.IDLE
