@@ -368,9 +368,7 @@ class Mission:
         verdict = verdicts.arrival(self._record, self._here)
         if verdict:
             return self._finish(verdict)
-        # A cell, less what the follower may stop short of it.
-        progress = self._motion.progress >= 0.9 * self._motion.path.resolution
-        self._record.stopped(self._motion.stopped, progress)
+        self._record.stopped(self._motion.stopped, self._motion.came_on)
         self._remember()
         verdict = verdicts.stalemate(self._record, self._here, self._p)
         return self._finish(verdict) if verdict else self._perceive()

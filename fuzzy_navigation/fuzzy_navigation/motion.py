@@ -136,6 +136,12 @@ class Motion:
         return self._follower.progress
 
     @property
+    def came_on(self) -> bool:
+        """Whether the robot has come at least a cell farther along the path."""
+        # The follower may stop a little short of a cell's length.
+        return self.passed > 0 or self.progress >= 0.9 * self._path.resolution
+
+    @property
     def next_point(self) -> tuple[float, float]:
         """Centre (x, y) [m] of the path's cell behind the last one that is explored."""
         x, y = self._path.points[min(self._reach + 1, len(self._path.points) - 1)]
@@ -214,8 +220,12 @@ class Motion:
             self._stopped = Stop.GOAL if last else Stop.UNEXPLORED
         if follower.deviation > 2.0 * self._p.follower.max_deviation:
             # Pushed or slipped off the path: the plan does not hold here.
-            self._stopping = self._stopping or Stop.NONE
+            self._stop(Stop.NONE)
         return v, omega
+
+    def _stop(self, reason: Stop) -> None:
+        if self._stopping is None:
+            self._stopping = reason
 
     def _limits(self, pose: Pose2, hits: NDArray[np.float64], dt: float) -> tuple[float, float]:
         """Return where the robot has to stand at the latest [m] and its largest speed [m/s]."""
@@ -237,12 +247,12 @@ class Motion:
             # The map changed under the path.
             stop_at = float(passed[self._reach])
             if follower.progress >= stop_at - PASSED:
-                self._stopping = self._stopping or Stop.UNEXPLORED
+                self._stop(Stop.UNEXPLORED)
         blocked = self._rule.blocked(clearances, self._path.alpha, self._relaxed)
         if blocked.any():
             first = int(np.argmax(blocked))
             if first == 0:
-                self._stopping = self._stopping or Stop.CLEARANCE
+                self._stop(Stop.CLEARANCE)
             else:
                 stop_at = min(stop_at, float(passed[ahead[first - 1]]))
         return stop_at, max_speed
