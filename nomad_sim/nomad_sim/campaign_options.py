@@ -10,6 +10,7 @@ import shlex
 from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -19,6 +20,7 @@ from fuzzy_navigation.params import MOTION_PRESETS, PLANNER_PRESETS
 from nomad_sim.missions import MissionSpec
 from nomad_sim.overrides import critical_angles, parameter_overrides
 from nomad_sim.reference import MISSIONS, ROWS
+from nomad_sim.world import World
 from nomad_sim.world_io import load_world, world_names
 
 __all__ = ["PROGRAM", "Batch", "Options", "parse_options"]
@@ -202,14 +204,8 @@ def _seeds(given: Namespace) -> range:
 
 def _command(given: Namespace, *what: str) -> tuple[str, ...]:
     """Return the command that the batch's missions come from, without seeds."""
-    words = [
-        *_COMMAND,
-        *what,
-        "--preset",
-        given.preset,
-        "--start-spread",
-        repr(given.start_spread),
-    ]
+    words = [*_COMMAND, *what, "--preset", given.preset]
+    words += ["--start-spread", repr(given.start_spread)]
     for assignment in given.set:
         words += ["--set", assignment]
     for assignment in given.critical_angle:
@@ -226,9 +222,13 @@ def _batches(given: Namespace) -> tuple[Batch, ...]:
     if not 0.0 <= given.start_spread <= 1000.0:
         raise ValueError(f"--start-spread must be from 0 to 1000 m, got {given.start_spread:g}")
 
-    def spec(world: Any, seed: int, simulator: Mapping[str, Any]) -> MissionSpec:
+    @cache
+    def changed(world: World) -> World:
+        return world.with_critical_angles(angles)
+
+    def spec(world: World, seed: int, simulator: Mapping[str, Any]) -> MissionSpec:
         return MissionSpec(
-            world.with_critical_angles(angles),
+            changed(world),
             seed,
             preset,
             given.start_spread,

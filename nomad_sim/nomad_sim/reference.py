@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -178,7 +178,8 @@ def _rough(world: Callable[[], World]) -> World:
 
 def _fixed(world: Callable[[], World]) -> Callable[[int], World]:
     """Return the same world for every seed."""
-    return lambda _seed: world()
+    once = cache(world)
+    return lambda _seed: once()
 
 
 def _row(

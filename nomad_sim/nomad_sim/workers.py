@@ -7,6 +7,7 @@ from __future__ import annotations
 import contextlib
 import os
 import signal
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from multiprocessing import get_context, resource_tracker
 from multiprocessing.connection import Connection, wait
@@ -83,10 +84,11 @@ def run_in_parallel(
                 connection.send(following)
             yield index, result
     finally:
-        for connection, worker in workers.items():
-            worker.kill()
-            worker.join()
-            connection.close()
+        with _signals_held():
+            for connection, worker in workers.items():
+                worker.kill()
+                worker.join()
+                connection.close()
 
 
 def _next_answer(workers: dict[Connection, BaseProcess]) -> Connection:
@@ -101,7 +103,7 @@ def _start(
     """Start workers, fresh interpreters that share neither threads nor locks with this one."""
     context = get_context("spawn")
     resource_tracker.ensure_running()  # it resets the signals that are blocked
-    with _inherited():
+    with _signals_held(), _inherited():
         for _ in range(count):
             ours, theirs = context.Pipe()
             worker = context.Process(target=_work, args=(function, theirs), daemon=True)
@@ -111,10 +113,30 @@ def _start(
 
 
 @contextlib.contextmanager
+def _signals_held() -> Iterator[None]:
+    """Let SIGINT and SIGTERM wait, so that no worker is lost between start and list."""
+    if threading.current_thread() is not threading.main_thread():
+        yield  # Python handles signals in the main thread alone
+        return
+    held: list[int] = []
+    before = {
+        number: signal.signal(number, lambda number, _frame: held.append(number))
+        for number in (signal.SIGINT, signal.SIGTERM)
+    }
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        for late in held:
+            signal.raise_signal(late)
+
+
+@contextlib.contextmanager
 def _inherited() -> Iterator[None]:
     """Set what a new process inherits: its libraries' threads, and to leave Ctrl-C to us."""
     before = {name: os.environ.get(name) for name in _THREADS}
-    blocked = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT, signal.SIGTERM])
+    blocked = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
     os.environ.update(_THREADS)
     try:
         yield
@@ -129,7 +151,6 @@ def _inherited() -> Iterator[None]:
 
 def _work(function: Callable[[Any], Any], connection: Connection) -> None:
     """Answer calls until the parent closes the connection or is no more."""
-    signal.pthread_sigmask(signal.SIG_SETMASK, [signal.SIGINT])
     with contextlib.suppress(EOFError, OSError):
         while True:
             index, item = connection.recv()

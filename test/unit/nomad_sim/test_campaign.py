@@ -12,7 +12,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -284,51 +284,74 @@ def wait_until(condition: Any, timeout: float = 60.0) -> bool:
     return True
 
 
-@pytest.fixture
-def running(small: Path, tmp_path: Path) -> Iterator[tuple[subprocess.Popen[str], list[int]]]:
-    """A campaign in a process group of its own that has begun to give results."""
-    log = tmp_path / "progress"
-    with log.open("w") as file:
+@contextlib.contextmanager
+def many_missions(world: Path, progress: Path) -> Iterator[subprocess.Popen[str]]:
+    """A campaign in a process group of its own that is not over soon."""
+    options = ["--world", str(world), "--seeds", "5000", "--jobs", "2"]
+    with progress.open("w") as file:
         process = subprocess.Popen(
-            [sys.executable, "-m", "nomad_sim.campaign", "--world", str(small), "--seeds", "5000",
-             "--jobs", "2"],
-            stdout=subprocess.PIPE, stderr=file, text=True, start_new_session=True,
-        )  # fmt: skip
+            [sys.executable, "-m", "nomad_sim.campaign", *options],
+            stdout=subprocess.DEVNULL,
+            stderr=file,
+            text=True,
+            start_new_session=True,
+        )
     try:
-        assert wait_until(lambda: "of 1]" in log.read_text() or process.poll() is not None)
-        workers = children_of(process.pid)
-        assert len(workers) >= 2
-        process.progress = log  # type: ignore[attr-defined]
-        yield process, workers
+        yield process
     finally:
         with contextlib.suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGKILL)
-        process.communicate()
+        process.wait()
+
+
+@dataclass
+class Running:
+    """A campaign that has begun to give results."""
+
+    process: subprocess.Popen[str]
+    workers: list[int]
+    progress: Path
+
+
+@pytest.fixture
+def running(small: Path, tmp_path: Path) -> Iterator[Running]:
+    progress = tmp_path / "progress"
+    with many_missions(small, progress) as process:
+        begun = wait_until(lambda: "of 1]" in progress.read_text() or process.poll() is not None)
+        assert begun, progress.read_text()
+        workers = children_of(process.pid)
+        assert len(workers) >= 2, progress.read_text()
+        yield Running(process, workers, progress)
 
 
 @pytest.mark.parametrize(
     ("number", "code", "whole_group"), [(signal.SIGINT, 130, True), (signal.SIGTERM, 143, False)]
 )
 def test_a_signal_leaves_no_process_behind(
-    running: tuple[subprocess.Popen[str], list[int]],
-    number: signal.Signals,
-    code: int,
-    whole_group: bool,
+    running: Running, number: signal.Signals, code: int, whole_group: bool
 ) -> None:
-    process, workers = running
     if whole_group:  # as the terminal does on Ctrl-C
-        os.killpg(process.pid, number)
+        os.killpg(running.process.pid, number)
     else:
-        process.send_signal(number)
-    assert process.wait(10.0) == code
-    assert wait_until(lambda: not any(alive(pid) for pid in workers), 5.0)
-    assert "Traceback" not in process.progress.read_text()  # type: ignore[attr-defined]
+        running.process.send_signal(number)
+    assert running.process.wait(10.0) == code
+    assert wait_until(lambda: not any(alive(pid) for pid in running.workers), 5.0)
+    assert "Traceback" not in running.progress.read_text()
 
 
-def test_workers_end_when_the_campaign_is_no_more(
-    running: tuple[subprocess.Popen[str], list[int]],
-) -> None:
-    process, workers = running
-    process.kill()
-    assert wait_until(lambda: not any(alive(pid) for pid in workers), 20.0)
-    assert "Traceback" not in process.progress.read_text()  # type: ignore[attr-defined]
+def test_ctrl_c_while_the_workers_start_is_as_clean(small: Path, tmp_path: Path) -> None:
+    progress = tmp_path / "progress"
+    with many_missions(small, progress) as process:
+        # Two children: what cleans up after multiprocessing, and the first worker.
+        assert wait_until(lambda: len(children_of(process.pid)) >= 2)
+        children = children_of(process.pid)
+        os.killpg(process.pid, signal.SIGINT)
+        assert process.wait(10.0) == 130
+        assert wait_until(lambda: not any(alive(pid) for pid in children), 5.0)
+    assert "Traceback" not in progress.read_text()
+
+
+def test_workers_end_when_the_campaign_is_no_more(running: Running) -> None:
+    running.process.kill()
+    assert wait_until(lambda: not any(alive(pid) for pid in running.workers), 20.0)
+    assert "Traceback" not in running.progress.read_text()

@@ -60,6 +60,8 @@ def test_the_log_tells_what_happened(room: World) -> None:
     assert log.truthful
     assert seen == [entry.perception for entry in log.entries]
     assert seen == list(range(1, log.perceptions + 1))
+    # Obstacles that come and go with perceptions learn of each.
+    assert mission.simulator.perceptions == log.perceptions
     # The robot stands still while it perceives.
     for entry, pose in zip(log.entries, poses, strict=True):
         assert (entry.pose.x, entry.pose.y) == pytest.approx(pose, abs=1e-6)
