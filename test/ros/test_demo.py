@@ -101,6 +101,7 @@ def test_it_reaches_the_goal_and_leaves_figures_and_a_summary(
     assert summary["goal"] == [2.25, 1.25]
     # The straight way is 1.5 m long, and 0.3 m before its end is good enough.
     assert 1.1 < summary["path_length_m"] < 4.0
+    assert summary["shortest_path_m"] == pytest.approx(1.5)
     assert summary["simulated_duration_s"] > summary["path_length_m"] / 0.6
     assert 0.0 < summary["least_true_clearance_m"] < world.still.distance(0.75, 1.25)
 

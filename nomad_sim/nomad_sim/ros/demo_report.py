@@ -17,6 +17,7 @@ from nomad_sim.render import Scene, save_figure
 from nomad_sim.ros.demo_options import DemoOptions
 from nomad_sim.ros.mission_record import MapSnapshot, MissionRecord
 from nomad_sim.ros.params import EPOCH
+from nomad_sim.shortest_way import length_of, shortest_way
 
 __all__ = ["MOMENTS", "clear_output", "figure_moments", "summarise", "write_figures"]
 
@@ -122,6 +123,7 @@ def summarise(
     contacts = int(record.simulator.get("contacts", 0))
     truthful = verdict is not None and verdict.outcome.name.lower() == options.expected
     success = truthful and contacts == 0
+    way = shortest_way(world)
     summary = {
         "success": success,
         "verdict": verdict.outcome.name.lower() if verdict else None,
@@ -129,6 +131,8 @@ def summarise(
         "message": verdict.message if verdict else problem,
         "perceptions": verdict.perceptions if verdict else len(record.log),
         "path_length_m": verdict.path_length if verdict else None,
+        # Without the goal's tolerance, for a robot that knows the world.
+        "shortest_path_m": length_of(way) if way is not None else None,
         "contacts": contacts,
         "least_true_clearance_m": float(record.simulator.get("least_clearance", math.nan)),
         "least_measured_clearance_m": verdict.min_clearance if verdict else None,
