@@ -43,11 +43,11 @@ PAPER = {
 #: Risk of the start cell in the paper.
 START_RISK = 0.5
 #: Where the start is looked for, left of the obstacle: x0, y0, x1, y1 [m].
-LEFT = (8.3, 5.8, 8.8, 6.3)
+LEFT = (8.3, 5.8, 8.9, 6.3)
 #: Part of the map that is shown: x0, y0, x1, y1 [m].
 VIEW = (7.4, 4.8, 10.7, 7.6)
 #: How much slimmer the obstacle is in the map that is tried besides [m].
-SLIMMER = 0.2
+SLIMMER = 0.1
 
 
 def _turn(path: Found) -> float:
