@@ -1,0 +1,291 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""README.md: every block in it is run as it stands, every name in it exists."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+import math
+import os
+import re
+import shlex
+import shutil
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from diagnostic_msgs.msg import DiagnosticArray
+from rcl_interfaces.srv import GetParameters
+from rclpy.parameter import parameter_value_to_python
+
+from fuzzy_map_building.parameter_schema import markdown_table
+from fuzzy_map_building.params import PRESETS, MapperParameters
+from fuzzy_map_building.ros import names, qos
+from fuzzy_navigation.params import MotionParameters, PlannerParameters
+from nomad_sim.headless import run_mission
+from nomad_sim.ros.demo_options import parse_options
+from nomad_sim.ros.params import SimulationParameters
+from nomad_sim.world import MATERIALS
+from nomad_sim.world_io import parse_world, world_names
+from ros.harness import EXECUTABLES, NodeProcess, Probe, command_of, wait_until
+
+ROOT = Path(__file__).resolve().parents[2]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```$", README, re.DOTALL | re.MULTILINE)
+#: Longest run of a command on a busy machine [s].
+LONG = 280.0
+
+Start = Callable[..., NodeProcess]
+
+
+def blocks(language: str) -> list[str]:
+    return [text for kind, text in BLOCKS if kind == language]
+
+
+#: What a reader types into a shell, line by line.
+LINES = [line for text in blocks("sh") for line in text.splitlines()]
+CAMPAIGNS = [line for line in LINES if "/campaign " in line]
+STUDIES = [line for line in LINES if line.startswith("python ")]
+BRINGUPS = [line for line in LINES if "/bringup " in line]
+DEMOS = [line for line in LINES if line.startswith("make demo")]
+PACKAGES = [line for line in LINES if "apt-get install" in line]
+TESTS = [line for line in LINES if line == "make test"]
+
+
+@pytest.fixture
+def clone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder that looks like the built clone, but where what is written does no harm."""
+    (tmp_path / "test").symlink_to(ROOT / "test")
+    for executable, (package, _) in EXECUTABLES.items():
+        file = tmp_path / "install" / package / "lib" / package / executable
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(f'#!/bin/sh\nexec {shlex.join(command_of(executable))} "$@"\n')
+        file.chmod(0o755)
+    monkeypatch.chdir(tmp_path)
+    # As `make shell` has it.
+    monkeypatch.setenv("PATH", f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join(p for p in sys.path if p))
+    return tmp_path
+
+
+def run(line: str) -> str:
+    """Return what a line prints; it must succeed."""
+    done = subprocess.run(line, shell=True, capture_output=True, text=True, timeout=LONG)
+    assert done.returncode == 0, f"{line}\n{done.stdout}{done.stderr}"
+    assert "Traceback" not in done.stderr, done.stderr
+    return done.stdout
+
+
+def made(line: str) -> list[str]:
+    """Return the commands that a line with make would run."""
+    outer = ("MAKEFLAGS", "MFLAGS", "MAKELEVEL", "DEMO_ARGS", "TEST_ARGS", "PYTHON")
+    done = subprocess.run(
+        [*shlex.split(line), "--dry-run"],
+        cwd=ROOT,
+        env={name: value for name, value in os.environ.items() if name not in outer},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return done.stdout.strip().splitlines()
+
+
+def test_no_block_goes_untested() -> None:
+    known = [*CAMPAIGNS, *STUDIES, *BRINGUPS, *DEMOS, *PACKAGES, *TESTS]
+    assert sorted(known) == sorted(LINES)
+    assert {kind for kind, _ in BLOCKS} == {"sh", "python", "yaml"}
+    assert README.count("```") == 2 * len(BLOCKS)
+
+
+def test_the_packages_to_install_exist() -> None:
+    (line,) = PACKAGES
+    command = shlex.split(line)
+    assert command[:3] == ["sudo", "apt-get", "install"]
+    if shutil.which("apt-cache") is None:
+        pytest.skip("no apt here")
+    known = subprocess.run(["apt-cache", "pkgnames"], capture_output=True, text=True, check=True)
+    if len(available := set(known.stdout.split())) < 10_000:
+        pytest.skip("apt knows only what is installed; needs `apt-get update`")
+    assert set(command[3:]) <= available
+
+
+def test_make_test_builds_and_tests() -> None:
+    (line,) = TESTS
+    assert made(line) == [".ci/build", ".ci/in_environment .ci/test"]
+
+
+def demo_arguments(line: str) -> list[str]:
+    """Return what a line hands to the demonstration."""
+    build, command = made(line)
+    assert build == ".ci/build"
+    runner, executable, *arguments = shlex.split(command)
+    assert (runner, executable) == (".ci/in_environment", "install/nomad_sim/lib/nomad_sim/demo")
+    assert os.access(ROOT / runner, os.X_OK)
+    return arguments
+
+
+def test_make_demo_hands_its_options_on(clone: Path) -> None:
+    plain, other = (parse_options(demo_arguments(line)) for line in DEMOS)
+    assert (plain.world.name, plain.seed, plain.output) == ("lab", 0, Path("build/demo"))
+    assert (other.world.name, other.seed, other.output) == ("office", 3, Path("build/office"))
+
+
+@pytest.mark.timeout(LONG + 20.0)
+def test_make_demo_crosses_the_laboratory(clone: Path, start_node: Start) -> None:
+    demo = start_node("demo", arguments=demo_arguments("make demo"))
+    assert demo.wait(LONG) == 0, demo.output()
+    out = clone / "build" / "demo"
+    summary: dict[str, Any] = json.loads((out / "summary.json").read_text())
+    assert (summary["verdict"], summary["contacts"]) == ("reached", 0)
+    told = [row for row in demo.output().splitlines() if row.startswith("perception")]
+    assert len(told) == summary["perceptions"]
+    assert {file.name for file in out.glob("*.png")} == set(summary["figures"]) != set()
+
+
+@pytest.mark.parametrize("text", blocks("python"), ids=["mission", "cores"])
+def test_python_as_it_stands(text: str) -> None:
+    printed = io.StringIO()
+    with contextlib.redirect_stdout(printed):
+        exec(compile(text, "README.md", "exec"), {"__name__": "__main__"})
+    first, *values = printed.getvalue().split()
+    if "run_mission" in text:
+        assert (first, values[-1]) == ("REACHED", "0")
+    else:
+        # From one cell to the tenth beside it, each with a risk of at least epsilon.
+        assert (first, values[0]) == ("True", "11")
+        g1, g2, g3 = map(float, values[1:])
+        assert 11 * 0.2**2 <= g2 <= g1 * g3 <= 11 * g3**2
+
+
+@pytest.mark.timeout(LONG + 20.0)
+@pytest.mark.parametrize("line", CAMPAIGNS, ids=["campaign", "replay"])
+def test_a_campaign(line: str, clone: Path) -> None:
+    printed = run(line)
+    words = shlex.split(line)
+    out = clone / words[words.index("--output") + 1]
+    if "--replay" in words:
+        assert (out / "mission.png").read_bytes().startswith(b"\x89PNG\r\n\x1a\n")
+        assert "reached" in printed.lower()
+    else:
+        missions = (out / "missions.csv").read_text().splitlines()
+        assert len(missions) == 1 + int(words[words.index("--seeds") + 1])
+        assert all("reached" in row.lower() for row in missions[1:])
+
+
+@pytest.mark.timeout(LONG + 20.0)
+@pytest.mark.parametrize("line", STUDIES)
+def test_a_study(line: str, clone: Path) -> None:
+    run(line)
+    assert {f.name for f in (clone / "build/studies").iterdir()} == {
+        "experiment1.md",
+        "experiment1.png",
+    }
+
+
+def robot_file() -> str:
+    (text,) = (text for text in blocks("yaml") if "ros__parameters" in text)
+    return text
+
+
+def test_bringup_takes_the_robots_parameters(clone: Path, probe: Probe, start_node: Start) -> None:
+    (line,) = BRINGUPS
+    executable, *arguments = shlex.split(line)
+    file = clone / arguments[arguments.index("--params-file") + 1]
+    file.write_text(robot_file())
+    heard = probe.subscribe(DiagnosticArray, names.DIAGNOSTICS, qos.RELIABLE)
+    process = start_node(Path(executable).name, arguments=arguments)
+
+    def nodes() -> set[str]:
+        return {status.name for message in list(heard.messages) for status in message.status}
+
+    nodes_of_bringup = {names.MAPPER_NODE, names.PLANNER_NODE, names.MOTION_NODE}
+    wait_until(lambda: nodes() == nodes_of_bringup, "the three nodes", 60.0)
+    for pattern, section in yaml.safe_load(robot_file()).items():
+        given = section["ros__parameters"]
+        node = pattern.removeprefix("/**/")
+        request = GetParameters.Request(names=list(given))
+        response = probe.call(GetParameters, f"{node}/get_parameters", request)
+        values = [parameter_value_to_python(value) for value in response.values]
+        assert dict(zip(given, [_plain(v) for v in values], strict=True)) == given
+    process.assert_clean_stop(signal.SIGINT)
+
+
+def _plain(value: Any) -> Any:
+    return value if isinstance(value, (str, bool, int, float)) else list(value)
+
+
+def test_the_room_is_as_told() -> None:
+    (text,) = (text for text in blocks("yaml") if "ros__parameters" not in text)
+    world = parse_world(text)
+    log = run_mission(world, seed=1)
+    assert log.outcome.name.lower() == world.expected
+    assert log.contacts == 0
+
+
+PARAMETERS = {
+    "Mapper": MapperParameters,
+    "Planner": PlannerParameters,
+    "Motion": MotionParameters,
+    "Simulator": SimulationParameters,
+}
+
+
+@pytest.mark.parametrize("title", PARAMETERS)
+def test_a_parameter_table_is_up_to_date(title: str) -> None:
+    kind = PARAMETERS[title]
+    found = re.search(
+        rf"<details><summary>{title}</summary>\n\n(.*?)\n\n</details>", README, re.DOTALL
+    )
+    assert found, f"README.md has no table '{title}'"
+    wanted = markdown_table(kind())
+    assert found[1] == wanted, (
+        f"the table '{title}' in README.md is out of date; replace it by what this prints: "
+        f"python3 -c 'from fuzzy_map_building.parameter_schema import markdown_table; "
+        f"from {kind.__module__} import {kind.__name__}; "
+        f"print(markdown_table({kind.__name__}()))'"
+    )
+
+
+def test_links_and_files_exist() -> None:
+    links = re.findall(r"\]\(([^)#:]+)\)", README)
+    words = [word for span in re.findall(r"`([^`\n]+)`", README) for word in span.split()]
+    top = {entry.name for entry in ROOT.iterdir()} - {"build", "install", "log"}
+    files = [w for w in words if w.split("/")[0] in top and (ROOT / w.split("/")[0]).is_dir()]
+    files += [word for word in words if word == "LICENSE"]
+    missing = [name for name in [*links, *files] if not (ROOT / name).exists()]
+    assert missing == []
+    scripts = {Path(word).name for word in words if word.endswith(".py")}
+    sources = {file.name for file in ROOT.glob("*/**/*.py")}
+    assert scripts <= sources
+
+
+def test_names_are_the_nodes() -> None:
+    cells = set(re.findall(r"`([^`\n]+)`", README))
+    own = {value for name, value in vars(names).items() if name.isupper()}
+    own -= {names.CLOCK, names.MAP_FRAME, names.ODOM_FRAME, names.BASE_FRAME, names.TURRET_FRAME}
+    assert own - cells == set()
+    for executable, (package, _) in EXECUTABLES.items():
+        assert f"{package} {executable}" in cells
+    assert set(world_names()) <= cells
+    assert set(PRESETS) <= cells
+
+
+def test_materials_are_the_simulators() -> None:
+    told = README.partition("does not come back:")[2].partition("`nomad_sim/worlds`")[0]
+    angles: dict[str, float] = {}
+    waiting: list[str] = []
+    for name, angle in re.findall(r"`(\w+)`|(\d+)", told):
+        if name:
+            waiting.append(name)
+        else:
+            angles |= dict.fromkeys(waiting, float(angle))
+            waiting = []
+    real = {n: round(math.degrees(m.critical_angle), 6) for n, m in MATERIALS.items()}
+    assert angles == real
