@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.types import Pose2
 
-__all__ = ["MAX_LABELS", "Panel", "Scene", "draw_panels", "save_figure"]
+__all__ = ["MAX_LABELS", "Figure", "Panel", "Scene", "draw_panels", "save_figure"]
 
 FloatArray = NDArray[np.float64]
 
