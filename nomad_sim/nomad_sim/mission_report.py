@@ -8,13 +8,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from fuzzy_map_building.grid import GridGeometry
 from fuzzy_navigation.mission_types import LogEntry
 from nomad_sim.headless import HeadlessMission
-from nomad_sim.render import Panel, Scene, draw_panels
+from nomad_sim.render import Figure, Panel, Scene, draw_panels
 
 __all__ = ["Moment", "draw_moments", "entry_line", "moment_of"]
 
