@@ -94,6 +94,7 @@ class FakeRobot:
         self.angle = 0.0
         self.commands: list[float] = []
         self.turret_stuck = self.blind = self.lost = False
+        self._probe = probe
         self._node = probe.node
         self._talker = Talker(probe)
         self._subscription = self._node.create_subscription(
@@ -103,8 +104,8 @@ class FakeRobot:
 
     def close(self) -> None:
         """Fall silent."""
-        self._node.destroy_timer(self._timer)
-        self._node.destroy_subscription(self._subscription)
+        self._probe.run(lambda: self._node.destroy_timer(self._timer))
+        self._probe.run(lambda: self._node.destroy_subscription(self._subscription))
 
     def _on_command(self, message: Float64) -> None:
         self.commands.append(message.data)

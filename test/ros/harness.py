@@ -107,8 +107,34 @@ class Received(Generic[T]):
         return wait_until(find, what or f"a message on {self.topic}", timeout)[0]
 
 
+class Goal:
+    """A goal that was sent; as rclpy's handle, but safe in the thread of the test."""
+
+    def __init__(self, probe: Probe, handle: ClientGoalHandle) -> None:
+        self._probe = probe
+        self._handle = handle
+
+    @property
+    def accepted(self) -> bool:
+        """Whether the server took the goal."""
+        return bool(self._handle.accepted)
+
+    def get_result_async(self) -> Future:
+        """Ask for the result."""
+        return self._probe.run(self._handle.get_result_async)
+
+    def cancel_goal_async(self) -> Future:
+        """Ask to cancel the goal."""
+        return self._probe.run(self._handle.cancel_goal_async)
+
+
 class Probe:
-    """A node of the test itself, spun by one executor in a thread of its own."""
+    """A node of the test itself, spun by one executor in a thread of its own.
+
+    rclpy's action clients lose an answer that comes before the request is entered in their
+    books, and an entity that is destroyed while its executor waits for it ends the executor:
+    whatever does such things has to be done by the thread that spins, with `run`.
+    """
 
     def __init__(self, name: str = "probe") -> None:
         self._context = Context()
@@ -127,11 +153,23 @@ class Probe:
             except ExternalShutdownException:
                 return
 
+    def run(self, function: Callable[[], T]) -> T:
+        """Return what a function returns that is called by the thread that spins."""
+        task = self._executor.create_task(function)
+        wait_until(task.done, "the thread of the probe", step=0.002)
+        if task.exception() is not None:
+            raise task.exception()
+        result: T = task.result()
+        return result
+
     def close(self) -> None:
         """End the thread and leave the domain."""
         self._stop = True
         self._thread.join(DEADLINE)
         self._executor.shutdown()
+        for waitable in list(self.node.waitables):
+            if isinstance(waitable, ActionClient):
+                waitable.destroy()
         self.node.destroy_node()
         rclpy.try_shutdown(context=self._context)
 
@@ -159,7 +197,7 @@ class Probe:
             wait_until(client.service_is_ready, f"the service {service}", timeout)
             return self.result_of(client.call_async(request), f"a response of {service}", timeout)
         finally:
-            self.node.destroy_client(client)
+            self.run(lambda: self.node.destroy_client(client))
 
     def action_client(self, kind: type[Any], action: str) -> ActionClient:
         """Return a client of an action once its server is there."""
@@ -172,10 +210,10 @@ class Probe:
         client: ActionClient,
         goal: Any,
         feedback: Callable[[Any], None] | None = None,
-    ) -> ClientGoalHandle:
-        """Return the handle of a goal that was sent; ``.accepted`` tells the answer."""
-        future = client.send_goal_async(goal, feedback_callback=feedback)
-        return self.result_of(future, "an answer to the goal")
+    ) -> Goal:
+        """Return a goal that was sent and answered; ``.accepted`` tells the answer."""
+        future = self.run(lambda: client.send_goal_async(goal, feedback_callback=feedback))
+        return Goal(self, self.result_of(future, "an answer to the goal"))
 
     def result_of(self, future: Future, what: str = "a result", timeout: float = DEADLINE) -> Any:
         """Return the result of a future that the probe's executor completes."""

@@ -58,7 +58,6 @@ def test_stop_during_a_perception_aborts_it_and_tells_its_client(
     assert probe.result_of(result).status == GoalStatus.STATUS_ABORTED
     assert "perception failed: the mapper was stopped" in mapper.output()
     robot.close()
-    client.destroy()
 
 
 def test_a_second_signal_during_the_stop_changes_nothing(

@@ -335,7 +335,6 @@ def test_a_clock_that_stands_ends_a_perception(bench: Bench) -> None:
     response = bench.probe.result_of(handle.get_result_async(), "the result")
     assert response.status == GoalStatus.STATUS_ABORTED
     assert f"the clock has stood at {bench.start:.3f} s" in bench.log()
-    client.destroy()
 
 
 def test_a_clock_that_races_does_not_cut_a_perception_short(bench: Bench) -> None:
@@ -362,4 +361,3 @@ def test_a_clock_that_races_does_not_cut_a_perception_short(bench: Bench) -> Non
 
         wait_until(all_taken, f"the readings of stand {stage}", step=0.2)
     assert bench.probe.result_of(result).result.readings == 48
-    client.destroy()

@@ -86,11 +86,9 @@ def robot(module_probe: Probe, mapper: NodeProcess) -> Iterator[FakeRobot]:
     robot.close()
 
 
-@pytest.fixture
-def build_map(module_probe: Probe, mapper: NodeProcess) -> Iterator[ActionClient]:
-    client = module_probe.action_client(BuildMap, names.BUILD_MAP)
-    yield client
-    client.destroy()
+@pytest.fixture(scope="module")
+def build_map(module_probe: Probe, mapper: NodeProcess) -> ActionClient:
+    return module_probe.action_client(BuildMap, names.BUILD_MAP)
 
 
 def perceive(probe: Probe, client: ActionClient) -> tuple[int, BuildMap.Result]:
@@ -249,7 +247,6 @@ def test_a_robot_without_a_turret_perceives_where_its_sonars_look(
     assert result.readings == 8
     assert robot.commands == []
     robot.close()
-    client.destroy()
     parameters = mapper_parameters("lachekhab")
     core = FuzzyMapper(parameters.area.geometry(), parameters)
     core.update(
