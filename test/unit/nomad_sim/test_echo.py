@@ -161,6 +161,15 @@ class TestCircle:
         screen = pole(*centre, 0.9, critical=5.0)
         assert echo([screen, wall((3.0, -FAR), (3.0, FAR))]) == math.inf
 
+    @pytest.mark.parametrize("side", [-1.0, 1.0])
+    def test_beside_it_what_is_behind_is_heard(self, side):
+        # Centre at 12 deg, covering 14 deg to each side: of the wall, all beyond 2 deg on the
+        # other side is left. What falls on the circle itself is lost (8.3 deg and more).
+        centre = math.cos(deg(12.0)), -side * math.sin(deg(12.0))
+        screen = pole(*centre, math.sin(deg(14.0)), critical=5.0)
+        heard = echo([screen, wall((3.0, -FAR), (3.0, FAR))])
+        assert heard == pytest.approx(3.0 / math.cos(deg(2.0)), abs=1e-12)
+
 
 class TestOcclusion:
     def test_the_nearer_of_two_walls(self):

@@ -125,8 +125,9 @@ class TestTime:
         assert len(fine) == 100
 
     def test_each_reading_is_taken_at_its_own_pose_and_turret_angle(self):
+        # An interval that never falls on the end of a step or of one of its parts.
         world = load_world("lab")
-        simulator = exact(world)
+        simulator = exact(world, **{"sonar.firing_interval": 0.0437})
         simulator.command_turret(0.4)
         # At constant velocity the pose at every stamp is a point of one exact arc.
         for _ in range(40):
@@ -139,7 +140,7 @@ class TestTime:
             events += simulator.sonar_events
         ring = SonarRing(simulator.parameters.sonar, RADIUS, None, None)
         rate = simulator.parameters.turret.max_rate
-        assert len(events) >= 44
+        assert len(events) >= 40
         for event in events:
             elapsed = event.stamp - begin
             angle = max(-0.4, turret - rate * elapsed)
@@ -147,8 +148,9 @@ class TestTime:
             pose = arc(start, 0.3, 0.4, elapsed)
             sensor = np.array([event.sensor])
             expected = ring.exact(sensor, pose, event.turret_angle, world.surfaces())[0]
-            # A reading may jump where an edge enters the beam; otherwise it is the same.
-            assert event.range == pytest.approx(expected, abs=1e-6) or math.isinf(event.range)
+            assert event.range == (
+                pytest.approx(expected, abs=1e-6) if expected <= 6.5 else math.inf
+            )
 
     def test_the_turret_takes_its_time(self):
         simulator = exact(room())
