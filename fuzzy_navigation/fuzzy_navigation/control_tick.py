@@ -19,11 +19,12 @@ __all__ = ["ControlTicks", "Tick", "Untimely"]
 
 #: A stamp farther ahead of the clock than this [s] is refused.
 FUTURE_TOLERANCE = 0.5
-#: A stamp farther behind the newest than this [s] means that the clock was set back.
+#: A clock that shows less than before by more than this [s] was set back.
 CLOCK_SLACK = 0.5
 #: Poses farther apart than this [s] are not joined by interpolation.
 MAX_POSE_GAP = 0.5
-#: Poses older than this [s] are forgotten.
+#: Poses older than this [s] are forgotten; after a silence of this length older stamps are taken
+#: for those of a source that was started anew.
 HORIZON = 2.0
 
 
@@ -83,9 +84,11 @@ class ControlTicks:
     def __init__(self, bearings: Sequence[float]) -> None:
         self._bearings = tuple(bearings)
         self._poses = PoseBuffer(MAX_POSE_GAP, HORIZON)
+        self._pose_came = 0.0
         self._pending: tuple[float, Pose2] | None = None
-        # Newest (stamp, range) of each sensor, and those that no tick has brought yet.
+        # Newest (stamp, range) of each sensor, when it came, and which no tick has brought yet.
         self._newest: dict[int, tuple[float, float]] = {}
+        self._range_came: dict[int, float] = {}
         self._unused: set[int] = set()
 
     def on_pose(self, now: float, stamp: float, pose: Pose2) -> Tick | None:
@@ -103,16 +106,17 @@ class ControlTicks:
         Raises
         ------
         Untimely
-            If the stamp lies in the future, or is not after the pose before. A stamp far
-            behind it is taken for a clock that was set back: everything older is forgotten.
+            If the stamp lies in the future, or is not after the pose before, unless the
+            clock was set back or poses begin anew: then everything older is forgotten.
         """
         _check_future(now, stamp, "pose")
         newest = self._poses.newest
-        if newest is not None and stamp < newest - CLOCK_SLACK:
+        if newest is not None and stamp <= newest:
+            if not _begins_anew(now, self._pose_came):
+                raise _late(stamp, newest, "pose")
             self._forget()
-        elif newest is not None and stamp <= newest:
-            raise _late(stamp, newest, "pose")
         self._poses.add(stamp, pose)
+        self._pose_came = now
         waiting, self._pending = self._pending, (stamp, pose)
         # A sensor that has not reached the pose before has not reached this one either.
         return self._due() if waiting is None else self._release(*waiting, complete=False)
@@ -134,7 +138,8 @@ class ControlTicks:
         Raises
         ------
         Untimely
-            If the stamp lies in the future, or is not after the sensor's last.
+            If the stamp lies in the future, or is not after the sensor's last, unless the
+            clock was set back or the sensor begins anew.
         ValueError
             If the ring has no such sensor.
         """
@@ -145,9 +150,10 @@ class ControlTicks:
         _check_future(now, stamp, "infrared range")
         if sensor in self._newest:
             newest, _ = self._newest[sensor]
-            if newest - CLOCK_SLACK <= stamp <= newest:
+            if stamp <= newest and not _begins_anew(now, self._range_came[sensor]):
                 raise _late(stamp, newest, "infrared range")
         self._newest[sensor] = (stamp, distance)
+        self._range_came[sensor] = now
         self._unused.add(sensor)
         return self._due()
 
@@ -179,6 +185,11 @@ class ControlTicks:
         self._pending = None
         self._newest.clear()
         self._unused.clear()
+
+
+def _begins_anew(now: float, before: float) -> bool:
+    """Whether older stamps are to be expected: after a silence, or on a clock set back."""
+    return now - before > HORIZON or now - before < -CLOCK_SLACK
 
 
 def _check_future(now: float, stamp: float, what: str) -> None:

@@ -53,7 +53,7 @@ class FakeRobot:
         self._stepped = 0.0
         self._clock = probe.node.create_publisher(Clock, names.CLOCK, qos.CLOCK)
         self._pose = probe.node.create_publisher(PoseStamped, names.POSE, qos.RELIABLE)
-        self._infrared = probe.node.create_publisher(Range, names.INFRARED, qos.RANGES)
+        self.infrared = probe.node.create_publisher(Range, names.INFRARED, qos.RANGES)
         probe.node.create_subscription(Twist, names.CMD_VEL, self._on_command, qos.RELIABLE)
         create_steady_timer(probe.node, FASTEST, self._step)
 
@@ -107,7 +107,7 @@ class FakeRobot:
             if comes:
                 message = Range(max_range=0.8, range=self.distance)
                 message.header.frame_id, message.header.stamp = frame, stamp
-                self._infrared.publish(message)
+                self.infrared.publish(message)
         if self.poses_come:
             self.poses.append(time.monotonic())
             self._pose.publish(pose_to_msg(Pose2(self.x, self.y, self.theta), stamp))

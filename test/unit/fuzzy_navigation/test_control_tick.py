@@ -136,3 +136,26 @@ def test_a_clock_set_back_starts_afresh() -> None:
     # ... and ranges of the old time must not pass for newer ones.
     assert ticks.on_pose(0.05, 0.05, pose_at(0.05)) is None
     assert due(feed(ticks, 0.06, range(3))[-1]) == (0.05, True)
+
+
+def test_a_stamp_far_behind_is_refused_too_while_newer_ones_come() -> None:
+    """One stray message must not pass for a clock that was set back."""
+    ticks = ControlTicks(BEARINGS)
+    ticks.on_pose(100.0, 100.0, pose_at(100.0))
+    feed(ticks, 100.0, (0,))
+    with pytest.raises(Untimely, match="came after"):
+        ticks.on_pose(100.05, 90.0, pose_at(90.0))
+    with pytest.raises(Untimely, match="came after"):
+        ticks.on_range(100.05, 0, 90.0, 0.1)
+    assert due(feed(ticks, 100.0, (1, 2))[-1]) == (100.0, True)
+
+
+def test_after_a_silence_a_source_may_begin_anew() -> None:
+    """A robot that was started again, its clock not being the node's."""
+    ticks = ControlTicks(BEARINGS)
+    ticks.on_pose(1000.0, 100.0, pose_at(100.0))
+    for sensor in range(3):
+        ticks.on_range(1000.0, sensor, 100.0, 0.1)
+    assert ticks.on_pose(1005.0, 1.0, pose_at(1.0)) is None
+    last = [ticks.on_range(1005.0, sensor, 1.0, 0.1) for sensor in range(3)][-1]
+    assert due(last) == (1.0, True)
