@@ -28,7 +28,8 @@ FloatArray = NDArray[np.float64]
 NARROW = 1e-9
 # What ends at a point [m] does not hide the point.
 _TOUCH = 1e-7
-# Columns of a beam: its source, its axis, first and last angle from it, mirror, depth.
+# Columns of a beam: its source, its axis, first and last angle from it, mirror, depth, and
+# the way to the nearest point of its mirror.
 _COLUMNS = 8
 
 
@@ -183,6 +184,10 @@ def push_image(
     beams[count, 4] = 0.5 * (high - low)
     beams[count, 5] = mirror
     beams[count, 6] = depth
+    first = abs(wrapped(axis + low - normal))
+    last = abs(wrapped(axis + high - normal))
+    nearest_angle = min(first, last) if first + last > high - low + NARROW else 0.0
+    beams[count, 7] = d / max(math.cos(nearest_angle), 1e-12)
     return count + 1
 
 
@@ -199,4 +204,5 @@ def stack_of(
     beams[0, 4] = half_angle
     beams[0, 5] = -1.0
     beams[0, 6] = 0.0
+    beams[0, 7] = 0.0
     return beams

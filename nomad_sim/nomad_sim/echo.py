@@ -78,6 +78,8 @@ def echo_range(
     found = False
     while count > 0:
         count -= 1
+        if beams[count, 7] >= best:
+            continue
         sx = beams[count, 0]
         sy = beams[count, 1]
         axis = beams[count, 2]
@@ -139,7 +141,7 @@ def echo_range(
                 if way < best:
                     best = way
                     found = True
-            if depth < reflections and d < best:
+            if depth < reflections:
                 count = push_image(
                     beams,
                     count,
@@ -212,6 +214,8 @@ def crosstalk_range(
     found = False
     while count > 0:
         count -= 1
+        if beams[count, 7] >= best:
+            continue
         sx = beams[count, 0]
         sy = beams[count, 1]
         axis = beams[count, 2]
