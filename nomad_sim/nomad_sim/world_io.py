@@ -2,7 +2,31 @@
 # SPDX-License-Identifier: Apache-2.0
 """Worlds from YAML files, checked to the last key.
 
-Lengths are metres, times seconds, angles degrees (their keys end in ``_deg``).
+Lengths are metres, times seconds, angles degrees (their keys end in ``_deg``). All keys::
+
+    name: hall
+    description: what it is for             # optional, like all keys marked so
+    area: {origin: [0.0, 0.0], size: [6.0, 4.0]}
+    start: {position: [1.0, 1.0], heading_deg: 90.0}    # heading: optional
+    goal: {position: [5.0, 3.0]}
+    expected: reached                       # or unreachable: the true verdict
+    materials:                              # optional: more than `world.MATERIALS`, or others
+      felt: {critical_angle_deg: 55.0, infrared: true}  # infrared: optional
+    walls:                                  # thin lines of wall
+      - {points: [[0, 0], [6, 0], [6, 4], [0, 4]], material: painted_wall, closed: true}
+    polygons:                               # optional: solid obstacles
+      - {points: [[3, 1], [4, 1], [3.5, 2]], material: wood}
+    circles:                                # optional: solid cylinders
+      - {center: [4.5, 3.5], radius: 0.2, material: glass}
+    moving:                                 # optional
+      - name: person
+        material: clothes
+        radius: 0.25                        # or points: a polygon about its waypoints
+        waypoints: [[0, 1, 3], [10, 5, 3]]  # time, x, y; one: it stands there
+        times: [2, 8]                       # optional: it is there from ... until
+        perceptions: [0, 16]                # optional: the same in perceptions taken
+    parameters:                             # optional: parameters of the simulator
+      sonar: {beam_half_angle: 0.218}
 """
 
 from __future__ import annotations

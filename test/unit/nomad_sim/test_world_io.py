@@ -62,6 +62,13 @@ def test_everything_is_read():
     assert world.description == "a test"
 
 
+def test_the_documented_example_is_a_world():
+    example = textwrap.dedent(world_io.__doc__.split("All keys::")[1])
+    world = parse_world(example)
+    assert world.name == "hall"
+    assert world.moving[0].perceptions == (0.0, 16.0)
+
+
 def changed(old, new):
     assert old in GOOD
     return GOOD.replace(old, new, 1)
