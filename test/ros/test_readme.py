@@ -52,7 +52,7 @@ def blocks(language: str) -> list[str]:
 #: What a reader types into a shell, line by line.
 LINES = [line for text in blocks("sh") for line in text.splitlines()]
 CAMPAIGNS = [line for line in LINES if "/campaign " in line]
-STUDIES = [line for line in LINES if line.startswith("python ")]
+STUDIES = [line for line in LINES if line.startswith("python3 ")]
 BRINGUPS = [line for line in LINES if "/bringup " in line]
 DEMOS = [line for line in LINES if line.startswith("make demo")]
 PACKAGES = [line for line in LINES if "apt-get install" in line]
