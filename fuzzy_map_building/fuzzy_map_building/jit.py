@@ -13,6 +13,7 @@ installation, a service without a home), the code is compiled anew by each proce
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, TypeVar
 
 try:
@@ -51,5 +52,17 @@ def njit(function: F) -> F:
     try:
         kernel: F = numba.njit(cache=True, nogil=True)(function)
     except RuntimeError:  # numba: "no locator available", there is nowhere to write a cache
-        kernel = numba.njit(nogil=True)(function)
+        return numba.njit(nogil=True)(function)  # type: ignore[no-any-return]
+    # numba compares the kernel's own file only, but the machine code holds the kernels that
+    # it calls, and those may live in other files of the package: all of them count.
+    cache_file: Any = getattr(getattr(kernel, "_cache", None), "_cache_file", None)
+    if hasattr(cache_file, "_source_stamp"):
+        cache_file._source_stamp = (cache_file._source_stamp, _package_stamp(function))
     return kernel
+
+
+def _package_stamp(function: Callable[..., Any]) -> tuple[tuple[str, int, int], ...]:
+    """Return name, time and size of every source beside the function's own."""
+    folder = Path(function.__code__.co_filename).parent
+    files = sorted(folder.glob("*.py"))
+    return tuple((f.name, f.stat().st_mtime_ns, f.stat().st_size) for f in files)

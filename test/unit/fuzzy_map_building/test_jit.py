@@ -86,3 +86,26 @@ def test_decorating_keeps_name_and_documentation():
     assert kernel.__name__ == "kernel"
     assert kernel.__doc__ == "Double it."
     assert kernel(4) == 8
+
+
+@pytest.mark.skipif(not compiled(), reason="numba is not installed")
+def test_a_kernel_is_compiled_anew_when_one_that_it_calls_changed_in_another_file(tmp_path):
+    source = "from fuzzy_map_building.jit import njit\n\n\n@njit\ndef {}\n"
+    helper, caller = tmp_path / "helper.py", tmp_path / "caller.py"
+    caller.write_text("from helper import one\n" + source.format("two():\n    return 2 * one()"))
+
+    def two(value):
+        helper.write_text(source.format(f"one():\n    return {value}"))
+        env = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])}
+        done = subprocess.run(
+            [sys.executable, "-c", "import caller; print(caller.two())"],
+            env={k: v for k, v in env.items() if not k.startswith("NUMBA_")},
+            capture_output=True,
+            text=True,
+            timeout=120,
+            check=True,
+        )
+        return int(done.stdout)
+
+    assert two(1) == 2
+    assert two(100) == 200
