@@ -9,6 +9,7 @@ import math
 import multiprocessing
 import os
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
@@ -66,6 +67,13 @@ def test_a_worker_computes_with_one_thread_and_we_as_before(
     assert dict(run_in_parallel(os.getenv, names, 2)) == {0: "1", 1: "1", 2: "1"}
     assert os.environ["OMP_NUM_THREADS"] == "3"
     assert "MKL_NUM_THREADS" not in os.environ
+
+
+def test_a_thread_may_ask_for_workers_as_well() -> None:
+    """Signals can be held in the main thread alone."""
+    with ThreadPoolExecutor(1) as executor:
+        done = executor.submit(lambda: dict(run_in_parallel(math.sqrt, [9.0, 16.0], 2)))
+        assert done.result(60.0) == {0: 3.0, 1: 4.0}
 
 
 def test_there_is_at_least_one_job() -> None:
