@@ -23,7 +23,7 @@ setup(
     extras_require={"test": ["pytest"]},
     entry_points={
         "console_scripts": [
-            "mapper = fuzzy_map_building.ros.mapper_node:main",
+            "mapper = fuzzy_map_building.ros.entry:mapper",
         ],
     },
 )

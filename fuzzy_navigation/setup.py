@@ -23,8 +23,8 @@ setup(
     extras_require={"test": ["pytest"]},
     entry_points={
         "console_scripts": [
-            "planner = fuzzy_navigation.ros.planner_node:main",
-            "motion = fuzzy_navigation.ros.motion_node:main",
+            "planner = fuzzy_navigation.ros.entry:planner",
+            "motion = fuzzy_navigation.ros.entry:motion",
             "bringup = fuzzy_navigation.ros.bringup:main",
         ],
     },

@@ -24,7 +24,7 @@ setup(
     extras_require={"test": ["pytest"]},
     entry_points={
         "console_scripts": [
-            "sim = nomad_sim.ros.sim_node:main",
+            "sim = nomad_sim.ros.entry:sim",
             "demo = nomad_sim.ros.demo:main",
             "campaign = nomad_sim.campaign:main",
         ],

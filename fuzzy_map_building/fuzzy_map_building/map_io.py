@@ -153,6 +153,10 @@ def _read(archive: zipfile.ZipFile) -> MapState:
     expected = [_HEADER, *(f"{name}.npy" for name in _ARRAYS)]
     if sorted(info.filename for info in archive.infolist()) != sorted(expected):
         raise MapFileError(f"a map file has the members {expected}, this one {sorted(members)}")
+    methods = {info.compress_type for info in members.values()}
+    if not methods <= {zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED}:
+        # The others fail in ways of their own on damaged data.
+        raise MapFileError(f"its members are compressed by methods {sorted(methods)}, not deflate")
     if members[_HEADER].file_size > _MAX_HEADER:
         raise MapFileError(f"its header has {members[_HEADER].file_size} bytes")
     header = json.loads(archive.read(_HEADER))

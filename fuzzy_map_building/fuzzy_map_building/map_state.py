@@ -11,7 +11,10 @@ from numpy.typing import NDArray
 
 from fuzzy_map_building.grid import GridGeometry
 
-__all__ = ["MapState"]
+__all__ = ["MAX_PERCEPTIONS", "MapState"]
+
+#: More perceptions than a robot makes in a lifetime, and far from where counters overflow.
+MAX_PERCEPTIONS = 1_000_000_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +66,10 @@ class MapState:
             raise ValueError("MapState.count has negative numbers of perceptions")
         if isinstance(self.perceptions, bool) or not isinstance(self.perceptions, int):
             raise ValueError(f"MapState.perceptions must be whole, got {self.perceptions!r}")
+        if self.perceptions > MAX_PERCEPTIONS:
+            raise ValueError(
+                f"MapState.perceptions must be at most {MAX_PERCEPTIONS}, got {self.perceptions}"
+            )
         if self.perceptions < int(self.count.max()):
             raise ValueError(
                 f"MapState.perceptions is {self.perceptions}, but a cell counts "

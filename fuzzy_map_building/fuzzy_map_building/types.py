@@ -69,7 +69,7 @@ class RangeReading:
     Raises
     ------
     ValueError
-        If `bearing` or `stamp` is not finite.
+        If `pose` is no pose, `range` no number, or `bearing` or `stamp` not finite.
     """
 
     pose: Pose2
@@ -79,6 +79,10 @@ class RangeReading:
     sensor: int = -1
 
     def __post_init__(self) -> None:
+        if not isinstance(self.pose, Pose2):
+            raise ValueError(f"{type(self).__name__}.pose must be a Pose2, got {self.pose!r}")
+        if isinstance(self.range, (str, bytes)) or not hasattr(self.range, "__float__"):
+            raise ValueError(f"{type(self).__name__}.range must be a number, got {self.range!r}")
         for name in ("bearing", "stamp"):
             value = getattr(self, name)
             if not math.isfinite(value):

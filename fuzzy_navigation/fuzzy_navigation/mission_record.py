@@ -14,6 +14,8 @@ from fuzzy_navigation.mission_types import Finish, LogEntry, Outcome, Stop
 
 __all__ = ["MissionRecord", "checked_tolerance"]
 
+#: Largest tolerance of a goal [m], that of the parameter as well.
+MAX_TOLERANCE = 10.0
 #: How much nearer than the tolerance a path has to end, for the robot does not stop exactly [m].
 ARRIVAL_MARGIN = 0.01
 #: Distance between two recorded positions [m].
@@ -29,10 +31,10 @@ def checked_tolerance(tolerance: float) -> float:
         If it is negative, not finite, or too small for the robot's accuracy.
     """
     least = 2.0 * ARRIVAL_MARGIN
-    if tolerance != 0.0 and not least <= tolerance < math.inf:
+    if tolerance != 0.0 and not least <= tolerance <= MAX_TOLERANCE:
         raise ValueError(
-            f"the goal's tolerance must be at least {least} m, or 0 for the parameter "
-            f"'goal_tolerance', got {tolerance}"
+            f"the goal's tolerance must lie within {least} and {MAX_TOLERANCE:g} m, or be 0 for "
+            f"the parameter 'goal_tolerance', got {tolerance}"
         )
     return tolerance
 

@@ -273,8 +273,12 @@ def _options(given: Namespace) -> Options:
         raise ValueError("--figures draws what --replay runs into the folder of --output")
     if given.jobs < 1:
         raise ValueError(f"--jobs must be at least 1, got {given.jobs}")
-    if given.output is not None and given.output.exists() and not given.output.is_dir():
-        raise ValueError(f"--output {given.output} is there, but no folder")
+    if given.output is not None:
+        # Before the missions, not after them.
+        try:
+            given.output.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise ValueError(f"--output {given.output} is no folder: {error.strerror}") from error
     batches = _batches(given)
     for batch in batches:
         batch.specs[0].mission()  # refuses what cannot be before anything has been run

@@ -228,3 +228,24 @@ def test_whatever_the_bytes_it_is_a_map_or_a_refusal(tmp_path: Path) -> None:
         except MapFileError:
             refused += 1
     assert refused > 200
+
+
+@pytest.mark.parametrize("method", [zipfile.ZIP_LZMA, zipfile.ZIP_BZIP2])
+def test_only_the_compression_that_is_written_is_read(tmp_path: Path, method: int) -> None:
+    # Damaged LZMA data fail with an error that is neither OSError nor ValueError.
+    save_map(tmp_path / "a.map", make_state())
+    with (
+        zipfile.ZipFile(tmp_path / "a.map") as archive,
+        zipfile.ZipFile(tmp_path / "b.map", "w", method) as other,
+    ):
+        for name in archive.namelist():
+            other.writestr(name, archive.read(name))
+    with pytest.raises(MapFileError, match="compressed"):
+        load_map(tmp_path / "b.map")
+
+
+def test_a_number_of_perceptions_that_no_counter_holds_is_refused() -> None:
+    state = make_state()
+    arrays = (state.geometry, state.empty, state.occupied, state.count)
+    with pytest.raises(ValueError, match="at most"):
+        MapState(*arrays, 10**30)

@@ -253,7 +253,8 @@ def test_what_cannot_be_is_refused_in_one_line(
 def test_a_folder_that_cannot_be_written_is_told(
     small: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(["--world", str(small), "--seeds", "1", "--output", f"{small}/below"]) == 2
+    with pytest.raises(SystemExit, match="2"):
+        main(["--world", str(small), "--seeds", "1", "--output", f"{small}/below"])
     assert capsys.readouterr().err.splitlines()[-1].startswith("campaign: ")
 
 
