@@ -56,28 +56,31 @@ def test_both_openings_of_the_lab_are_as_wide_as_said(gap: float) -> None:
     assert surfaces.distance(3.7, 2.65) == pytest.approx(0.5 * gap)
     assert surfaces.distance(3.7, 2.65 + 0.1) == pytest.approx(0.5 * gap - 0.1)
     assert surfaces.distance(3.7, 2.65 - 0.1) == pytest.approx(0.5 * gap - 0.1)
-    middle = 7.6 + 0.05 - 0.5 * gap
-    assert surfaces.distance(middle, 4.25) == pytest.approx(0.5 * gap)
-    assert surfaces.distance(middle - 0.1, 4.25) == pytest.approx(0.5 * gap - 0.1)
+    # The other one is counted to the area's edge; the wall stands 5 cm behind it.
+    middle = 7.65 - 0.5 * (gap + 0.05)
+    assert surfaces.distance(middle, 4.25) == pytest.approx(0.5 * (gap + 0.05))
+    assert surfaces.distance(middle - 0.1, 4.25) == pytest.approx(0.5 * (gap + 0.05) - 0.1)
     # The rest of the laboratory stays as it is.
     shipped = load_world("lab").surfaces()
     for x, y in ((1.4, 3.2), (0.2, 0.2), (3.0, 1.0), (4.4, 5.0), (2.0, 6.2)):
         assert surfaces.distance(x, y) == pytest.approx(shipped.distance(x, y))
 
 
-def test_the_opening_of_the_shipped_lab_is_one_of_the_family() -> None:
-    assert lab_with_gaps(0.9).surfaces().distance(3.7, 2.65) == pytest.approx(
-        load_world("lab").surfaces().distance(3.7, 2.65)
-    )
+@pytest.mark.parametrize("place", [(3.7, 2.65), (7.175, 4.25)])
+def test_the_openings_of_the_shipped_lab_are_of_the_family(place: tuple[float, float]) -> None:
+    shipped = load_world("lab").surfaces().distance(*place)
+    assert lab_with_gaps(0.9).surfaces().distance(*place) == pytest.approx(shipped)
 
 
 @pytest.mark.parametrize("width", [0.7, 0.9])
 def test_the_openings_of_the_slalom_are_as_wide_as_said(width: float) -> None:
     surfaces = slalom_with_openings(width).surfaces()
-    top, bottom = 4.05 - 0.5 * width, -0.05 + 0.5 * width
+    # Counted to the area's edge; the wall stands 5 cm behind it.
+    half = 0.5 * (width + 0.05)
+    top, bottom = 4.05 - half, -0.05 + half
     for x, y in ((1.8, top), (3.3, bottom), (4.8, top), (6.3, bottom)):
-        assert surfaces.distance(x, y) == pytest.approx(0.5 * width)
-        assert surfaces.distance(x, y + 0.1) == pytest.approx(0.5 * width - 0.1)
+        assert surfaces.distance(x, y) == pytest.approx(half)
+        assert surfaces.distance(x, y + 0.1) == pytest.approx(half - 0.1)
 
 
 def test_the_slalom_of_the_table_is_the_shipped_one() -> None:
