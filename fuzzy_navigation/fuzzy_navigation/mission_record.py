@@ -33,8 +33,8 @@ def checked_tolerance(tolerance: float) -> float:
     least = 2.0 * ARRIVAL_MARGIN
     if tolerance != 0.0 and not least <= tolerance <= MAX_TOLERANCE:
         raise ValueError(
-            f"the goal's tolerance must be at least {least} m and at most {MAX_TOLERANCE:g} m, or 0 "
-            f"for the parameter 'goal_tolerance', got {tolerance}"
+            f"the goal's tolerance must be at least {least} m and at most {MAX_TOLERANCE:g} m, "
+            f"or 0 for the parameter 'goal_tolerance', got {tolerance}"
         )
     return tolerance
 
