@@ -9,7 +9,13 @@ from dataclasses import dataclass
 
 from fuzzy_map_building.parameter_schema import ParameterError, parameter, validate
 
-__all__ = ["EvidenceParameters", "FusionParameters", "SonarParameters"]
+__all__ = [
+    "EvidenceParameters",
+    "FusionParameters",
+    "InfraredParameters",
+    "SonarGuardParameters",
+    "SonarParameters",
+]
 
 _PAPER = "Oriolo 1998"
 
@@ -127,6 +133,118 @@ class SonarParameters:
                 f"'sonar.min_range' ({self.min_range} m) must be less than 'sonar.max_range' "
                 f"({self.max_range} m)"
             )
+
+
+@dataclass(frozen=True)
+class InfraredParameters:
+    """The ring of infrared proximity sensors: where they sit and what they can measure."""
+
+    frame_ids: tuple[str, ...] = parameter(
+        tuple(f"infrared_{i}" for i in range(16)),
+        doc="frame of each sensor, in the order of the bearings",
+        read_only=True,
+        source=f"{_PAPER}, section IV-B",
+    )
+    bearings: tuple[float, ...] = parameter(
+        tuple(i * 2.0 * math.pi / 16 for i in range(16)),
+        doc="direction of each sensor from the robot's heading",
+        unit="rad",
+        minimum=-2.0 * math.pi,
+        maximum=2.0 * math.pi,
+        read_only=True,
+        source=f"{_PAPER}, section IV-B",
+    )
+    mount_radius: float = parameter(
+        0.23,
+        doc="distance of the sensors' faces from the robot's centre",
+        unit="m",
+        minimum=0.0,
+        maximum=5.0,
+        source=f"{_PAPER}, section II",
+    )
+    min_range: float = parameter(
+        0.0, doc="smallest range that counts", unit="m", minimum=0.0, maximum=10.0
+    )
+    max_range: float = parameter(
+        0.6, doc="largest range that counts", unit="m", minimum=0.01, maximum=20.0
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+        if len(self.frame_ids) != len(self.bearings):
+            raise ParameterError(
+                f"'infrared.frame_ids' ({len(self.frame_ids)}) and 'infrared.bearings' "
+                f"({len(self.bearings)}) must have the same length"
+            )
+        if len(set(self.frame_ids)) != len(self.frame_ids):
+            raise ParameterError("'infrared.frame_ids' names a frame twice")
+        if self.min_range >= self.max_range:
+            raise ParameterError(
+                f"'infrared.min_range' ({self.min_range} m) must be below "
+                f"'infrared.max_range' ({self.max_range} m)"
+            )
+
+
+@dataclass(frozen=True)
+class SonarGuardParameters:
+    """What short sonar returns say where infrared light may go through, as through glass."""
+
+    enabled: bool = parameter(
+        False,
+        doc="whether a short sonar return that no infrared hit explains counts as a hit",
+    )
+    perception_reach: float = parameter(
+        0.6,
+        doc="returns from closer to the body than this count at a perception",
+        unit="m",
+        minimum=0.0,
+        maximum=20.0,
+        source="measured",
+    )
+    motion_reach: float = parameter(
+        0.25,
+        doc="returns from closer to the body than this count while the robot moves",
+        unit="m",
+        minimum=0.0,
+        maximum=20.0,
+        source="measured",
+    )
+    angle: float = parameter(
+        math.radians(15.0),
+        doc="an infrared hit within this angle of a return explains it; an infrared ray within "
+        "this angle of a return that nothing explains is cut",
+        unit="rad",
+        minimum=0.0,
+        maximum=math.pi,
+        source="measured",
+    )
+    slack: float = parameter(
+        0.08,
+        doc="an infrared hit that explains a return lies at most this much farther away",
+        unit="m",
+        minimum=0.0,
+        maximum=10.0,
+        source="measured",
+    )
+    spread: float = parameter(
+        math.radians(6.0),
+        doc="a return stands for a hit on its axis and one at this angle on either side",
+        unit="rad",
+        minimum=0.0,
+        maximum=math.pi,
+        source="measured",
+    )
+    margin: float = parameter(
+        0.05,
+        doc="an infrared ray is cut this far before the return",
+        unit="m",
+        minimum=0.0,
+        maximum=10.0,
+        source="measured",
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 # Copyright 2026 The fuzzy navigation maintainers
 # SPDX-License-Identifier: Apache-2.0
-"""The groups of the motion's parameters: clearance, follower, infrareds, waiting times.
+"""The groups of the motion's parameters: clearance, follower, waiting times.
 
 "Paper" in a source is Oriolo, Ulivi, Vendittelli, IEEE Trans. SMC-B 28(3), 1998.
 """
@@ -16,14 +16,11 @@ __all__ = [
     "ROBOT_RADIUS",
     "ClearanceParameters",
     "FollowerParameters",
-    "InfraredParameters",
     "TimeoutParameters",
 ]
 
 #: Radius of the NOMAD 200's cylindrical body [m] (paper, section II).
 ROBOT_RADIUS = 0.23
-#: Infrared sensors in the NOMAD 200's ring (paper, section IV-B).
-INFRARED_COUNT = 16
 
 
 @dataclass(frozen=True)
@@ -109,56 +106,6 @@ class FollowerParameters:
 
     def __post_init__(self) -> None:
         validate(self)
-
-
-@dataclass(frozen=True)
-class InfraredParameters:
-    """Ring of infrared proximity sensors that guards the motion."""
-
-    frame_ids: tuple[str, ...] = parameter(
-        tuple(f"infrared_{i}" for i in range(INFRARED_COUNT)),
-        doc="frame of each sensor, in the order of the bearings",
-        read_only=True,
-        source="paper, section IV-B",
-    )
-    bearings: tuple[float, ...] = parameter(
-        tuple(i * 2.0 * math.pi / INFRARED_COUNT for i in range(INFRARED_COUNT)),
-        doc="direction of each sensor from the robot's heading",
-        unit="rad",
-        minimum=-2.0 * math.pi,
-        maximum=2.0 * math.pi,
-        read_only=True,
-        source="paper, section IV-B",
-    )
-    mount_radius: float = parameter(
-        ROBOT_RADIUS,
-        doc="distance of the sensors' faces from the robot's centre",
-        unit="m",
-        minimum=0.0,
-        maximum=5.0,
-        source="paper, section II",
-    )
-    min_range: float = parameter(
-        0.0, doc="smallest range that counts", unit="m", minimum=0.0, maximum=10.0
-    )
-    max_range: float = parameter(
-        0.6, doc="largest range that counts", unit="m", minimum=0.01, maximum=20.0
-    )
-
-    def __post_init__(self) -> None:
-        validate(self)
-        if len(self.frame_ids) != len(self.bearings):
-            raise ParameterError(
-                f"'infrared.frame_ids' ({len(self.frame_ids)}) and 'infrared.bearings' "
-                f"({len(self.bearings)}) must have the same length"
-            )
-        if len(set(self.frame_ids)) != len(self.frame_ids):
-            raise ParameterError("'infrared.frame_ids' names a frame twice")
-        if self.min_range >= self.max_range:
-            raise ParameterError(
-                f"'infrared.min_range' ({self.min_range} m) must be below "
-                f"'infrared.max_range' ({self.max_range} m)"
-            )
 
 
 @dataclass(frozen=True)

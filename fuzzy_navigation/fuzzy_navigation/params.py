@@ -21,11 +21,11 @@ from fuzzy_map_building.parameter_schema import (
     suggest,
     validate,
 )
+from fuzzy_map_building.sensor_params import InfraredParameters
 from fuzzy_navigation.motion_params import (
     ROBOT_RADIUS,
     ClearanceParameters,
     FollowerParameters,
-    InfraredParameters,
     TimeoutParameters,
 )
 

@@ -1,0 +1,148 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""Short sonar returns guard against what infrared light does not see, glass above all.
+
+A sonar return from close to the body should come with an infrared hit near its axis. One
+that does not is taken for a surface that the infrareds look through: it becomes hit points
+of its own, and the infrared rays beside it are believed only up to it.
+
+Everything is done with the positions of what was seen, so that readings taken at different
+poses of the robot may be compared.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzy_map_building.infrared_packet import InfraredPacket
+from fuzzy_map_building.sensor_params import (
+    InfraredParameters,
+    SonarGuardParameters,
+    SonarParameters,
+)
+from fuzzy_map_building.types import RangeReading
+
+__all__ = ["guard_points", "ray_limits"]
+
+FloatArray = NDArray[np.float64]
+
+#: Slack of comparisons of angles and distances, so that equal ones do not depend on rounding.
+_ROUNDING = 1e-9
+
+
+def guard_points(
+    sonar: Sequence[RangeReading],
+    infrared: Sequence[RangeReading],
+    sonar_p: SonarParameters,
+    infrared_p: InfraredParameters,
+    guard: SonarGuardParameters,
+    reach: float,
+    robot_radius: float,
+) -> FloatArray:
+    """Return hit points of the short sonar returns that no infrared hit explains.
+
+    A return at distance r and direction b from the robot's centre is short if
+    ``r < robot_radius + reach``. It is explained if an infrared hit lies, seen from there,
+    within ``guard.angle`` of b and at most ``guard.slack`` farther away than r.
+
+    Parameters
+    ----------
+    sonar, infrared : sequence of RangeReading
+        Readings of either kind, each placed at its own pose.
+    sonar_p, infrared_p : SonarParameters, InfraredParameters
+        The two rings.
+    guard : SonarGuardParameters
+        The rule; whether it is enabled is for the caller to look at.
+    reach : float
+        Distance from the body [m] below which a return is short: one of the two of `guard`.
+    robot_radius : float
+        Radius of the body [m].
+
+    Returns
+    -------
+    ndarray of float64, shape (3 n, 2)
+        Points (x, y) [m] in ``map``: for each of n returns, on its axis and at
+        ``guard.spread`` on either side.
+    """
+    seen = InfraredPacket.from_readings(infrared, infrared_p)
+    centre, direction, distance = _unexplained(sonar, seen, sonar_p, guard, reach + robot_radius)
+    angles = direction[:, None] + np.array([0.0, guard.spread, -guard.spread])
+    rays = np.stack((np.cos(angles), np.sin(angles)), axis=2)
+    points: FloatArray = (centre[:, None, :] + distance[:, None, None] * rays).reshape(-1, 2)
+    return points
+
+
+def ray_limits(
+    sonar: Sequence[RangeReading],
+    infrared: Sequence[RangeReading],
+    sonar_p: SonarParameters,
+    infrared_p: InfraredParameters,
+    guard: SonarGuardParameters,
+    reach: float,
+    robot_radius: float,
+) -> FloatArray:
+    """Return how far along each infrared ray the short sonar returns let one believe.
+
+    Parameters
+    ----------
+    sonar, infrared, sonar_p, infrared_p, guard, reach, robot_radius
+        As for `guard_points`.
+
+    Returns
+    -------
+    ndarray of float64, shape (number of infrared readings,)
+        Distance [m] from each sensor's face, ``guard.margin`` before the nearest return
+        without explanation that lies within ``guard.angle`` of the ray; ``inf`` without one.
+    """
+    limits = np.full(len(infrared), np.inf)
+    seen = InfraredPacket.from_readings(infrared, infrared_p)
+    centre, direction, distance = _unexplained(sonar, seen, sonar_p, guard, reach + robot_radius)
+    if len(distance):
+        rays = np.column_stack((np.cos(direction), np.sin(direction)))
+        to, away = _polar(centre + distance[:, None] * rays, seen.centre)
+        beside = _between(to, seen.direction[:, None]) <= guard.angle + _ROUNDING
+        nearest = np.where(beside, away, np.inf).min(axis=1)
+        limits[seen.number] = nearest - guard.margin - infrared_p.mount_radius
+    return limits
+
+
+def _unexplained(
+    sonar: Sequence[RangeReading],
+    seen: InfraredPacket,
+    sonar_p: SonarParameters,
+    guard: SonarGuardParameters,
+    below: float,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return centre, direction and distance of the returns below a distance without a hit."""
+    table = np.array(
+        [(r.pose.x, r.pose.y, r.pose.theta + r.bearing, r.range) for r in sonar],
+        dtype=np.float64,
+    ).reshape(-1, 4)
+    ranges = np.where(table[:, 3] == -np.inf, sonar_p.min_range, table[:, 3])
+    echo = (ranges >= sonar_p.min_range) & (ranges <= sonar_p.max_range)
+    short = echo & (ranges + sonar_p.mount_radius < below)
+    centre, direction = table[short, :2], table[short, 2]
+    distance = ranges[short] + sonar_p.mount_radius
+    to, away = _polar(seen.hit_points(), centre)
+    explained = (
+        (_between(to, direction[:, None]) <= guard.angle + _ROUNDING)
+        & (away <= distance[:, None] + guard.slack + _ROUNDING)
+    ).any(axis=1)
+    return centre[~explained], direction[~explained], distance[~explained]
+
+
+def _polar(points: FloatArray, centres: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return direction and distance of each of m points from each of n centres, shape (n, m)."""
+    offset = points[None, :, :] - centres[:, None, :]
+    direction: FloatArray = np.arctan2(offset[..., 1], offset[..., 0])
+    distance: FloatArray = np.hypot(offset[..., 0], offset[..., 1])
+    return direction, distance
+
+
+def _between(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Return the angle between directions [rad], in [0, pi]."""
+    angle: FloatArray = np.abs(np.mod(a - b + np.pi, 2.0 * np.pi) - np.pi)
+    return angle

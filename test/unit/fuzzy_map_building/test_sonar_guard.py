@@ -1,0 +1,130 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""The sonar guard against loops over the rule as it is worded, and against geometry by hand."""
+
+import math
+
+import numpy as np
+import pytest
+
+from fuzzy_map_building.params import SonarParameters
+from fuzzy_map_building.sensor_params import InfraredParameters, SonarGuardParameters
+from fuzzy_map_building.sonar_guard import guard_points, ray_limits
+from fuzzy_map_building.types import InfraredReading, Pose2, SonarReading
+
+SONAR, INFRARED, GUARD = SonarParameters(), InfraredParameters(), SonarGuardParameters()
+RADIUS = 0.23
+
+
+def points(sonar: list, infrared: list, reach: float = 0.6) -> np.ndarray:
+    return guard_points(sonar, infrared, SONAR, INFRARED, GUARD, reach, RADIUS)
+
+
+def limits(sonar: list, infrared: list, reach: float = 0.6) -> np.ndarray:
+    return ray_limits(sonar, infrared, SONAR, INFRARED, GUARD, reach, RADIUS)
+
+
+def angle(a: float, b: float) -> float:
+    return abs(math.atan2(math.sin(a - b), math.cos(a - b)))
+
+
+def test_glass_ahead_becomes_three_hit_points_and_cuts_the_rays_beside_it() -> None:
+    pose = Pose2(2.0, 1.0, math.radians(90.0))
+    echo = SonarReading(pose, 0.0, 0.30)
+    blind = [InfraredReading(pose, math.radians(22.5 * i), math.inf, 0.0, i) for i in range(16)]
+    expected = [
+        (2.0 + 0.53 * math.cos(math.radians(d)), 1.0 + 0.53 * math.sin(math.radians(d)))
+        for d in (90.0, 96.0, 84.0)
+    ]
+    np.testing.assert_allclose(points([echo], blind), expected, atol=1e-12)
+    cut = limits([echo], blind)
+    assert cut[0] == pytest.approx(0.25)  # 5 cm before the return
+    assert np.isinf(cut[1:]).all()  # the next ray is 22.5 deg away
+
+
+@pytest.mark.parametrize(
+    ("distance", "bearing", "explains"),
+    [(0.30, 0.0, True), (0.379, 14.9, True), (0.381, 0.0, False), (0.2, 15.1, False)],
+)
+def test_an_infrared_hit_explains_a_return(
+    distance: float, bearing: float, explains: bool
+) -> None:
+    pose = Pose2(0.0, 0.0, 3.1)
+    echo = SonarReading(pose, 0.1, 0.30)
+    hit = InfraredReading(pose, 0.1 + math.radians(bearing), distance)
+    assert (len(points([echo], [hit])) == 0) is explains
+    assert np.isinf(limits([echo], [hit])).all() or not explains
+
+
+def test_only_short_returns_count() -> None:
+    pose = Pose2(0.0, 0.0)
+    for reading, number in ((0.599, 3), (0.601, 0), (-math.inf, 3), (math.inf, 0), (math.nan, 0)):
+        assert len(points([SonarReading(pose, 0.0, reading)], [])) == number
+    assert len(points([SonarReading(pose, 0.0, 0.3)], [], reach=0.25)) == 0
+    # An infrared reading that is none explains nothing.
+    nothing = [InfraredReading(pose, 0.0, value) for value in (math.nan, math.inf, 0.61)]
+    assert len(points([SonarReading(pose, 0.0, 0.5)], nothing)) == 3
+
+
+def test_a_hit_seen_from_elsewhere_explains_as_well() -> None:
+    echo = SonarReading(Pose2(0.0, 0.0), 0.0, 0.27)  # a surface at (0.5, 0)
+    beside = InfraredReading(Pose2(0.5, 0.4, -math.pi / 2.0), 0.0, 0.17)  # at (0.5, 0), too
+    assert len(points([echo], [beside])) == 0
+    # Where nothing is seen the ray goes on to 5 cm before the surface: (0.5, 0.4) to (0.5, 0.05).
+    through = InfraredReading(beside.pose, 0.0, math.inf)
+    assert limits([echo], [through])[0] == pytest.approx(0.4 - 0.05 - 0.23)
+
+
+def test_many_readings_against_a_loop() -> None:
+    rng = np.random.default_rng(3)
+    sonar = [
+        SonarReading(Pose2(*rng.uniform(-0.2, 0.2, 2), rng.uniform(-9, 9)), 0.4 * i, r)
+        for i, r in enumerate(rng.choice([0.2, 0.35, 0.5, 2.0, math.inf, -math.inf], 40))
+    ]
+    infrared = [
+        InfraredReading(Pose2(*rng.uniform(-0.2, 0.2, 2), rng.uniform(-9, 9)), 0.39 * i, r)
+        for i, r in enumerate(rng.choice([0.1, 0.3, 0.45, math.inf, math.nan, 3.0], 40))
+    ]
+    hits = []
+    for ray in infrared:
+        if ray.range <= 0.6:
+            to = ray.pose.theta + ray.bearing
+            rho = 0.23 + ray.range
+            hits.append((ray.pose.x + rho * math.cos(to), ray.pose.y + rho * math.sin(to)))
+    expected, surfaces = [], []
+    for echo in sonar:
+        r = 0.23 + max(echo.range, 0.12)
+        if not r < RADIUS + 0.6:
+            continue
+        b = echo.pose.theta + echo.bearing
+        x0, y0 = echo.pose.x, echo.pose.y
+        if any(
+            angle(math.atan2(y - y0, x - x0), b) <= math.radians(15.0)
+            and math.hypot(x - x0, y - y0) <= r + 0.08
+            for x, y in hits
+        ):
+            continue
+        for turn in (0.0, math.radians(6.0), -math.radians(6.0)):
+            expected.append((x0 + r * math.cos(b + turn), y0 + r * math.sin(b + turn)))
+        surfaces.append(expected[-3])
+    assert 2 < len(surfaces) < 25
+    np.testing.assert_allclose(points(sonar, infrared), expected, atol=1e-9)
+    for ray, found in zip(infrared, limits(sonar, infrared), strict=True):
+        x0, y0 = ray.pose.x, ray.pose.y
+        to = ray.pose.theta + ray.bearing
+        wanted = min(
+            (
+                math.hypot(x - x0, y - y0) - 0.05 - 0.23
+                for x, y in surfaces
+                if angle(math.atan2(y - y0, x - x0), to) <= math.radians(15.0)
+            ),
+            default=math.inf,
+        )
+        if math.isnan(ray.range) or ray.range == 3.0:
+            wanted = math.inf  # the reading does not count in any case
+        assert found == pytest.approx(wanted, abs=1e-9)
+
+
+def test_nothing_in_nothing_out() -> None:
+    assert points([], []).shape == (0, 2)
+    assert limits([], []).shape == (0,)
