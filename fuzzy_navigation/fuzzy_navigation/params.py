@@ -22,6 +22,7 @@ from fuzzy_map_building.parameter_schema import (
     validate,
 )
 from fuzzy_map_building.sensor_params import InfraredParameters
+from fuzzy_navigation.layer_params import LayerParameters
 from fuzzy_navigation.motion_params import (
     ROBOT_RADIUS,
     ClearanceParameters,
@@ -36,6 +37,7 @@ __all__ = [
     "ClearanceParameters",
     "FollowerParameters",
     "InfraredParameters",
+    "LayerParameters",
     "MotionParameters",
     "PlannerParameters",
     "TimeoutParameters",
@@ -69,6 +71,20 @@ class PlannerParameters:
         minimum=0.0,
         maximum=1.0,
         source="paper, sections IV-A and V",
+    )
+    rung_choice: str = parameter(
+        "first",
+        doc="rung of the ladder whose path is taken: the lowest one that has a path (first), or "
+        "the lowest one whose path costs no more than rung_factor times the cheapest of all "
+        "rungs (cheapest)",
+        choices=("first", "cheapest"),
+        source="paper, section V: first",
+    )
+    rung_factor: float = parameter(
+        1.5,
+        doc="how many times the cheapest path a path on a lower rung may cost",
+        minimum=1.0,
+        maximum=1e6,
     )
     adjacency: int = parameter(
         0,
@@ -116,6 +132,7 @@ class PlannerParameters:
         doc="whether a diagonal step may pass between cells that are not admissible; "
         "if not, both cells beside the step have to be",
     )
+    layer: LayerParameters = field(default_factory=LayerParameters)
 
     def __post_init__(self) -> None:
         validate(self)

@@ -18,12 +18,24 @@ from numpy.typing import ArrayLike, NDArray
 
 from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.types import Pose2
+from fuzzy_navigation.clearance_layer import clearance_layer
 from fuzzy_navigation.params import PlannerParameters
 from fuzzy_navigation.plan_types import PlanResult, PlanStatus, RiskLayer
+from fuzzy_navigation.positions import position, positions
 from fuzzy_navigation.risk import augment, checked_risk, path_risks
-from fuzzy_navigation.search import COSTS, admissible_cells, find_path, first_reachable
+from fuzzy_navigation.search import (
+    COSTS,
+    SearchResult,
+    admissible_cells,
+    find_path,
+    first_reachable,
+)
 
-__all__ = ["PlanResult", "PlanStatus", "Planner", "RiskLayer"]
+__all__ = ["MOST_BARRED", "MOST_HITS", "PlanResult", "PlanStatus", "Planner"]
+
+#: Most hit points, and most barred positions, of one request.
+MOST_HITS = 10_000
+MOST_BARRED = 100_000
 
 # Adjacency where neither request nor parameters say (section IV-A2).
 _ADJACENCY = {"g1": 8, "g2": 8, "g3": 4}
@@ -42,8 +54,7 @@ class _Request:
     rungs: Sequence[float]
     adjacency: int
     tolerance: float
-    cut: NDArray[np.float64] | None
-    paid: NDArray[np.float64] | None
+    layer: RiskLayer | None
     barred: NDArray[np.bool_] | None
 
 
@@ -125,8 +136,8 @@ class Planner:
         alpha: float = 0.0,
         adjacency: int = 0,
         tolerance: float = 0.0,
-        layer: RiskLayer | None = None,
         barred: ArrayLike = (),
+        hits: ArrayLike = (),
     ) -> PlanResult:
         """Answer a request for a path; never raises for what the request holds.
 
@@ -144,18 +155,19 @@ class Planner:
             Distance [m] from the goal within which the path may end, at the nearest
             admissible cell that can be reached; 0: the planner's parameter. The cell
             that holds the goal always counts as within.
-        layer : RiskLayer, optional
-            Risks that come on top of the map's.
         barred : array_like, shape (n, 2), optional
             Positions (x, y) [m] whose cells no path may enter; those outside the map do not
             count. The start's cell stays admissible.
+        hits : array_like, shape (n, 2), optional
+            Points (x, y) [m] that sensors have just hit, on the map or beside it; without the
+            parameter ``layer.enabled`` they do not count.
 
         Returns
         -------
         PlanResult
         """
         try:
-            request = self._checked(start, goal, cost, alpha, adjacency, tolerance, layer, barred)
+            request = self._checked(start, goal, cost, alpha, adjacency, tolerance, barred, hits)
         except (TypeError, ValueError) as error:
             return PlanResult(PlanStatus.BAD_REQUEST, f"request refused: {error}")
         if self._augmented is None:
@@ -194,12 +206,12 @@ class Planner:
         alpha: float,
         adjacency: int,
         tolerance: float,
-        layer: RiskLayer | None,
         barred: ArrayLike,
+        hits: ArrayLike,
     ) -> _Request:
         """Return the request with its defaults filled in, or raise ValueError."""
         p = self._parameters
-        start_xy, goal_xy = _position(start, "start"), _position(goal, "goal")
+        start_xy, goal_xy = position(start, "start"), position(goal, "goal")
         cost = p.cost if cost is None else cost
         if cost not in COSTS:
             raise ValueError(f"cost must be one of {', '.join(COSTS)}, got {cost!r}")
@@ -210,14 +222,6 @@ class Planner:
             raise ValueError(f"adjacency must be 0, 4 or 8, got {adjacency!r}")
         if not (math.isfinite(tolerance) and tolerance >= 0.0):
             raise ValueError(f"tolerance must be finite and not negative [m], got {tolerance}")
-        cut = paid = None
-        if layer is not None:
-            cut = np.asarray(layer.cut, dtype=np.float64)
-            paid = checked_risk(layer.cost, "the cost of the risk layer")
-            self._check_shape("the cut of the risk layer", cut)
-            self._check_shape("the cost of the risk layer", paid)
-            if not cut.min() >= 0.0:  # a NaN fails
-                raise ValueError("the cut of the risk layer must not hold NaN or negative values")
         return _Request(
             start=start_xy,
             heading=start.theta if isinstance(start, Pose2) else 0.0,
@@ -226,40 +230,44 @@ class Planner:
             rungs=(alpha,) if alpha > 0.0 else p.alpha_ladder,
             adjacency=int(adjacency) or p.adjacency or _ADJACENCY[cost],
             tolerance=round(float(tolerance), _DECIMALS) or p.tolerance,
-            cut=cut,
-            paid=paid,
-            barred=self._bars(barred),
+            layer=self._layer(positions(hits, "hits", MOST_HITS)),
+            barred=self._bars(positions(barred, "barred", MOST_BARRED)),
         )
 
-    def _bars(self, positions: ArrayLike) -> NDArray[np.bool_] | None:
+    def _bars(self, xy: NDArray[np.float64]) -> NDArray[np.bool_] | None:
         """Return the cells that no path may enter, shape (H, W); None: there are none."""
-        xy = np.asarray(positions, dtype=np.float64)
-        if xy.size == 0:
+        if len(xy) == 0:
             return self._barred
-        if xy.ndim != 2 or xy.shape[1] != 2:
-            raise ValueError(f"barred positions have the shape (any, 2), got {xy.shape}")
-        if not np.isfinite(xy).all():
-            raise ValueError("barred positions must be finite [m]")
         cells, inside = self.geometry.cells_of(xy)
         none = np.zeros(self.geometry.shape, dtype=np.bool_)
         bars = none if self._barred is None else self._barred.copy()
         bars[cells[inside, 0], cells[inside, 1]] = True
         return bars
 
-    def _climb(self, request: _Request, risk: NDArray[np.float64]) -> PlanResult:
-        """Try rung after rung until there is a path."""
+    def _layer(self, hits: NDArray[np.float64]) -> RiskLayer | None:
+        """Return the risk that hit points lay over the map; None: there is none."""
         p = self._parameters
-        cut = risk if request.cut is None else np.maximum(risk, request.cut)
-        paid = risk if request.paid is None else np.maximum(risk, request.paid)
+        if len(hits) == 0 or not p.layer.enabled:
+            return None
+        return clearance_layer(self.geometry, hits, p.robot_radius, p.layer)
+
+    def _climb(self, request: _Request, risk: NDArray[np.float64]) -> PlanResult:
+        """Try rung after rung, and take the path of the first that does."""
+        p = self._parameters
+        cut = paid = risk
+        if request.layer is not None:
+            cut = np.maximum(risk, request.layer.cut)
+            paid = np.maximum(risk, request.layer.cost)
         start = self.geometry.cell_of(*request.start)
         ends = self._goal_cells(request.goal, request.tolerance)
+        found: list[tuple[float, SearchResult]] = []
         for rung in request.rungs:
             admissible = admissible_cells(cut, rung, request.barred)
             admissible[start] = True
             end = first_reachable(admissible, start, ends, request.adjacency, p.corner_cutting)
             if end is None:
                 continue
-            found = find_path(
+            path = find_path(
                 paid,
                 start,
                 end,
@@ -272,21 +280,30 @@ class Planner:
                 cut=cut,
                 barred=request.barred,
             )
-            message = f"path of {len(found.path)} cells at alpha {rung:g}"
-            if rung != request.rungs[0]:
-                message += f", none at alpha {request.rungs[0]:g}"
+            found.append((rung, path))
+            if p.rung_choice == "first":
+                break
+        if not found:
+            goal_blocked = not admissible[ends[:, 0], ends[:, 1]].any()
             return PlanResult(
-                PlanStatus.FOUND,
-                message,
-                found.path,
-                self._poses(found.path, request.heading),
-                *path_risks(risk + p.epsilon, found.path, p.diagonal),
-                rung,
-                found.expanded,
+                PlanStatus.NO_PATH, _no_path(request, goal_blocked), alpha=request.rungs[-1]
             )
-        goal_blocked = not admissible[ends[:, 0], ends[:, 1]].any()
+        costs = [getattr(path, request.cost) for _, path in found]
+        limit = p.rung_factor * min(costs)
+        rung, path = next(f for f, cost in zip(found, costs, strict=True) if cost <= limit)
+        message = f"path of {len(path.path)} cells at alpha {rung:g}"
+        if found[0][0] > request.rungs[0]:
+            message += f", none at alpha {request.rungs[0]:g}"
+        elif rung > request.rungs[0]:
+            message += f", a much dearer one at alpha {request.rungs[0]:g}"
         return PlanResult(
-            PlanStatus.NO_PATH, _no_path(request, goal_blocked), alpha=request.rungs[-1]
+            PlanStatus.FOUND,
+            message,
+            path.path,
+            self._poses(path.path, request.heading),
+            *path_risks(risk + p.epsilon, path.path, p.diagonal),
+            rung,
+            sum(result.expanded for _, result in found),
         )
 
     def _goal_cells(self, goal: tuple[float, float], tolerance: float) -> NDArray[np.int64]:
@@ -339,15 +356,3 @@ def _no_path(request: _Request, goal_blocked: bool) -> str:
         f"no path from ({request.start[0]:.2f}, {request.start[1]:.2f}) m to the goal {goal}: "
         f"cells that are not admissible at alpha {alpha:g} part them; {advice}"
     )
-
-
-def _position(value: Pose2 | tuple[float, float], name: str) -> tuple[float, float]:
-    """Return (x, y) [m], finite."""
-    try:
-        x, y = (value.x, value.y) if isinstance(value, Pose2) else value
-        finite = math.isfinite(x) and math.isfinite(y)
-    except (TypeError, ValueError):
-        raise ValueError(f"the {name} must be a position (x, y) [m], got {value!r}") from None
-    if not finite:
-        raise ValueError(f"the {name} must be finite [m], got ({x}, {y})")
-    return float(x), float(y)

@@ -93,6 +93,7 @@ class PlannerNode(Node):
                 request.adjacency,
                 request.tolerance,
                 [(point.x, point.y) for point in request.barred],
+                [(point.x, point.y) for point in request.hits],
             )
         else:
             known = ", ".join(map(str, sorted(_COSTS)))
@@ -125,12 +126,13 @@ class PlannerNode(Node):
         adjacency: int = 0,
         tolerance: float = 0.0,
         barred: Sequence[tuple[float, float]] = (),
+        hits: Sequence[tuple[float, float]] = (),
     ) -> PlanResult:
         try:
             poses = requested_pose(start, "the start"), requested_pose(goal, "the goal")
         except Refused as refusal:
             return _bad_request(str(refusal))
-        return self._planner.plan(*poses, cost, alpha, adjacency, tolerance, barred=barred)
+        return self._planner.plan(*poses, cost, alpha, adjacency, tolerance, barred, hits)
 
     def _answer(self, service: str, result: PlanResult) -> Path:
         """Count and publish a result, and return its path."""

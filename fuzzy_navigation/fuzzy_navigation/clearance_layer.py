@@ -1,0 +1,194 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""The clearance layer: what the points that the sensors hit say of the cells near them.
+
+Maps of cells are too coarse for a passage that is hardly wider than the robot. Hit points are
+not: the clearance c of the body at a place follows from them to within the sensors' noise. The
+layer turns it into a risk mu_I, so that the ladder of alpha-cuts, which asks for less and less
+certainty, also comes down in clearance: its first rung, 0.6, is the paper's least clearance.
+
+Since a robot need not drive through the centre of a cell, a cell counts by the best of nine
+places in it, and the robot then drives to the one that suits it best.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fuzzy_map_building.grid import GridGeometry
+from fuzzy_navigation.clearance import clearance_at
+from fuzzy_navigation.layer_params import LayerParameters
+from fuzzy_navigation.plan_types import RiskLayer
+
+__all__ = [
+    "best_clearance",
+    "best_places",
+    "clearance_layer",
+    "clearance_risk",
+    "places_in_cell",
+]
+
+Floats = NDArray[np.float64]
+
+#: Risk at the least clearance: the first rung of the paper's ladder.
+LIMIT_RISK = 0.6
+#: What the risk beyond the least clearance stays below it.
+STEP = 0.001
+#: Risk of what no rung admits.
+CLOSED_RISK = 2.0
+#: Clearance beyond which more is no better for the place to drive to in a cell [m].
+PLENTY = 0.25
+#: What a place off the cell's centre has to be better by, as a part of its distance from it.
+DETOUR = 0.1
+
+
+def clearance_risk(clearance: ArrayLike, parameters: LayerParameters) -> Floats:
+    """Return the risk mu_I of places, by the clearance of the body there.
+
+    Parameters
+    ----------
+    clearance : array_like
+        Clearances c [m], +inf where nothing is near.
+    parameters : LayerParameters
+        The clearances where the risk changes its form.
+
+    Returns
+    -------
+    ndarray of float64
+        2 below `closed`; from 1 there down to 0.6 at `limit`; from 0.599 beyond it down to 0 at
+        `free`.
+    """
+    c = np.asarray(clearance, dtype=np.float64)
+    p = parameters
+    near = LIMIT_RISK + (1.0 - LIMIT_RISK) * (p.limit - c) / (p.limit - p.closed)
+    far = (LIMIT_RISK - STEP) * (p.free - c) / (p.free - p.limit)
+    return np.select([c < p.closed, c <= p.limit, c < p.free], [CLOSED_RISK, near, far], 0.0)
+
+
+def places_in_cell(shift: float) -> Floats:
+    """Return the nine places that a cell counts by, its centre first.
+
+    Parameters
+    ----------
+    shift : float
+        How far they are aside [m].
+
+    Returns
+    -------
+    ndarray of float64, shape (9, 2)
+        Offsets (x, y) [m] from the cell's centre.
+    """
+    sides = (0.0, -shift, shift)
+    return np.array([(x, y) for x in sides for y in sides])
+
+
+def _clearances(centres: ArrayLike, hits: Floats, robot_radius: float, shift: float) -> Floats:
+    """Return the clearance [m] at the nine places in each of some cells, shape (m, 9)."""
+    cells = np.asarray(centres, dtype=np.float64).reshape(-1, 2)
+    places = (cells[:, None, :] + places_in_cell(shift)).reshape(-1, 2)
+    return clearance_at(places, hits, robot_radius).reshape(-1, 9)
+
+
+def best_clearance(centres: ArrayLike, hits: Floats, robot_radius: float, shift: float) -> Floats:
+    """Return the largest clearance that the body can have in each of some cells.
+
+    Parameters
+    ----------
+    centres : array_like, shape (m, 2)
+        Centres (x, y) of the cells [m].
+    hits : ndarray of float64, shape (n, 2)
+        Hit points [m].
+    robot_radius : float
+        Radius of the body [m].
+    shift : float
+        How far off its centre the robot may drive through a cell, in x and in y [m].
+
+    Returns
+    -------
+    ndarray of float64, shape (m,)
+        Clearance [m] at the best of nine places; +inf without any hit point.
+    """
+    best: Floats = _clearances(centres, hits, robot_radius, shift).max(axis=1)
+    return best
+
+
+def best_places(centres: ArrayLike, hits: Floats, robot_radius: float, shift: float) -> Floats:
+    """Return where in each of some cells to drive.
+
+    Parameters
+    ----------
+    centres, hits, robot_radius, shift
+        As `best_clearance` takes them.
+
+    Returns
+    -------
+    ndarray of float64, shape (m, 2)
+        The place (x, y) [m] of the nine where clearance, of which 0.25 m is plenty, less a tenth
+        of the distance from the centre is greatest; the centre where all are alike.
+    """
+    cells = np.asarray(centres, dtype=np.float64).reshape(-1, 2)
+    offsets = places_in_cell(shift)
+    worth = np.minimum(_clearances(cells, hits, robot_radius, shift), PLENTY)
+    worth -= DETOUR * np.hypot(offsets[:, 0], offsets[:, 1])
+    return cells + offsets[worth.argmax(axis=1)]
+
+
+def clearance_layer(
+    geometry: GridGeometry, hits: Floats, robot_radius: float, parameters: LayerParameters
+) -> RiskLayer:
+    """Return the layer of risk that hit points lay over a map.
+
+    Parameters
+    ----------
+    geometry : GridGeometry
+        Where the map's cells lie.
+    hits : ndarray of float64, shape (n, 2)
+        Hit points [m], inside the map or outside.
+    robot_radius : float
+        Radius of the body [m].
+    parameters : LayerParameters
+        The layer.
+
+    Returns
+    -------
+    RiskLayer
+        ``cut`` is mu_I of each cell's best clearance; ``cost`` is of that, of no more than 1,
+        the part that a path pays.
+    """
+    p = parameters
+    # Farther than this from all hit points a cell's best place has no risk.
+    reach = robot_radius + p.free + math.sqrt(2.0) * p.shift
+    cells, near = _cells_near(geometry, hits, reach)
+    known, where = np.unique(cells, return_inverse=True)
+    rows, columns = np.divmod(cells, geometry.width)
+    x, y = geometry.centre_coordinates(rows, columns)
+    offset_x, offset_y = x - near[:, 0], y - near[:, 1]
+    best = np.zeros(len(known))
+    for shift_x, shift_y in places_in_cell(p.shift):
+        nearest = np.full(len(known), np.inf)
+        np.minimum.at(nearest, where, (offset_x + shift_x) ** 2 + (offset_y + shift_y) ** 2)
+        np.maximum(best, nearest, out=best)
+    cut = np.zeros(geometry.shape)
+    cut.flat[known] = clearance_risk(np.sqrt(best) - robot_radius, p)
+    return RiskLayer(cut, p.cost * np.minimum(cut, 1.0))
+
+
+def _cells_near(
+    geometry: GridGeometry, hits: Floats, reach: float
+) -> tuple[NDArray[np.int64], Floats]:
+    """Return pairs of a cell, by its flat index, and a hit point that may be so near [m]."""
+    x0, y0, x1, y1 = geometry.bounds
+    low, high = np.array((x0, y0)) - reach, np.array((x1, y1)) + reach
+    hits = hits[((hits > low) & (hits < high)).all(axis=1)]
+    half = math.ceil(reach / geometry.resolution)
+    steps = np.arange(-half, half + 1)
+    centre = np.floor((hits - (x0, y0)) / geometry.resolution).astype(np.int64)
+    shape = (len(hits), len(steps), len(steps))
+    rows = np.broadcast_to((centre[:, 1:] + steps)[:, :, None], shape)
+    columns = np.broadcast_to((centre[:, :1] + steps)[:, None, :], shape)
+    inside = (rows >= 0) & (rows < geometry.height) & (columns >= 0) & (columns < geometry.width)
+    near = np.broadcast_to(hits[:, None, None, :], (*shape, 2))[inside]
+    return rows[inside] * geometry.width + columns[inside], near
