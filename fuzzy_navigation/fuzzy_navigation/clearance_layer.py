@@ -133,7 +133,8 @@ def best_places(centres: ArrayLike, hits: Floats, robot_radius: float, shift: fl
     offsets = places_in_cell(shift)
     worth = np.minimum(_clearances(cells, hits, robot_radius, shift), PLENTY)
     worth -= DETOUR * np.hypot(offsets[:, 0], offsets[:, 1])
-    return cells + offsets[worth.argmax(axis=1)]
+    places: Floats = cells + offsets[worth.argmax(axis=1)]
+    return places
 
 
 def clearance_layer(
