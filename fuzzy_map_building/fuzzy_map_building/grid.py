@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from numbers import Integral, Real
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,6 +19,10 @@ __all__ = ["MAX_CELLS", "GridGeometry", "Window"]
 
 #: Largest grid that is accepted [cells]: bounds every allocation that a request can cause.
 MAX_CELLS = 64_000_000
+# Shortest side of a cell, and farthest coordinate or longest side [m].
+_SHORTEST, _FARTHEST = 1e-6, 1e8
+# Farthest coordinate of a grid in cells: up to it a centre is exact to a thousandth of a cell.
+_MAX_CELLS_AWAY = 2.0**40
 
 
 @dataclass(frozen=True)
@@ -58,6 +63,24 @@ class Window:
         )
 
 
+def _number(name: str, value: object) -> float:
+    """Return a finite float [m], or raise ValueError."""
+    try:
+        number = float(value) if isinstance(value, Real) else math.nan
+    except OverflowError:  # a whole number beyond the floats
+        number = math.inf
+    if not math.isfinite(number):
+        raise ValueError(f"{name} must be finite [m], got {value!r}")
+    return number
+
+
+def _whole(value: object) -> bool:
+    """Whether a value is a whole number, of whatever type."""
+    if isinstance(value, bool) or not isinstance(value, Real):
+        return False
+    return isinstance(value, Integral) or (math.isfinite(value) and math.floor(value) == value)
+
+
 @dataclass(frozen=True)
 class GridGeometry:
     """Where the square cells of a map lie in the world.
@@ -74,8 +97,9 @@ class GridGeometry:
     Raises
     ------
     ValueError
-        If a count is not a positive whole number, the grid has more than
-        `MAX_CELLS` cells, or a length is not finite and positive.
+        If a count is not a positive whole number, the grid has more than `MAX_CELLS` cells,
+        a cell's side is not from 1e-6 to 1e8 m, or the grid reaches beyond 1e8 m or so far
+        that floats do not tell its cells apart.
 
     Examples
     --------
@@ -94,8 +118,7 @@ class GridGeometry:
     def __post_init__(self) -> None:
         for name in ("width", "height"):
             value = getattr(self, name)
-            whole = not isinstance(value, bool) and math.isfinite(value) and int(value) == value
-            if not whole or value < 1:
+            if not _whole(value) or value < 1:
                 raise ValueError(
                     f"GridGeometry.{name} is a number of cells, a positive whole number, "
                     f"got {value!r}; GridGeometry.from_size takes metres"
@@ -106,15 +129,28 @@ class GridGeometry:
                 f"a grid of {self.width} x {self.height} cells exceeds the limit of "
                 f"{MAX_CELLS} cells; use a coarser resolution or a smaller area"
             )
-        if not (math.isfinite(self.resolution) and self.resolution > 0.0):
+        resolution = _number("GridGeometry.resolution", self.resolution)
+        if not _SHORTEST <= resolution <= _FARTHEST:
             raise ValueError(
-                f"GridGeometry.resolution must be positive and finite [m], got {self.resolution}"
+                f"GridGeometry.resolution must be from {_SHORTEST:g} to {_FARTHEST:g} m, "
+                f"got {resolution}"
             )
-        object.__setattr__(self, "resolution", float(self.resolution))
-        origin: list[float] = [float(v) for v in self.origin]
-        if len(origin) != 2 or not all(math.isfinite(v) for v in origin):
-            raise ValueError(f"GridGeometry.origin must be two finite metres, got {self.origin}")
-        object.__setattr__(self, "origin", (origin[0], origin[1]))
+        object.__setattr__(self, "resolution", resolution)
+        try:
+            x, y = self.origin
+        except (TypeError, ValueError):
+            raise ValueError(f"GridGeometry.origin must be (x, y) [m], got {self.origin!r}") from (
+                None
+            )
+        origin = (_number("GridGeometry.origin", x), _number("GridGeometry.origin", y))
+        object.__setattr__(self, "origin", origin)
+        farthest = max(map(abs, self.bounds))
+        if not farthest <= min(_FARTHEST, _MAX_CELLS_AWAY * resolution):  # a NaN fails
+            raise ValueError(
+                f"a grid with origin {origin} m that reaches {farthest:g} m in cells of "
+                f"{resolution:g} m is too far away: the limits are {_FARTHEST:g} m and "
+                f"{_MAX_CELLS_AWAY:.2g} cells; choose an origin nearer to 0"
+            )
 
     @classmethod
     def from_size(
@@ -132,12 +168,21 @@ class GridGeometry:
         (63, 76)
         """
         lengths = (size_x, size_y, resolution)
-        if not all(math.isfinite(v) and v > 0.0 for v in lengths):
+        names = ("size_x", "size_y", "resolution")
+        if not all(_number(name, v) > 0.0 for name, v in zip(names, lengths, strict=True)):
             raise ValueError(f"sizes and resolution must be positive and finite, got {lengths}")
-        # 7.6 / 0.1 is 75.99999999999999: a millionth of a cell is no further cell.
-        columns = math.ceil(size_x / resolution - 1e-6)
-        rows = math.ceil(size_y / resolution - 1e-6)
-        return cls(max(columns, 1), max(rows, 1), resolution, origin)
+
+        def cells(size: float) -> int:
+            # 7.6 / 0.1 is 75.99999999999999: a millionth of a cell is no further cell.
+            count = size / resolution - 1e-6
+            if not count <= MAX_CELLS:  # also where the division overflows
+                raise ValueError(
+                    f"a side of {size:g} m in cells of {resolution:g} m exceeds the limit of "
+                    f"{MAX_CELLS} cells; use a coarser resolution or a smaller area"
+                )
+            return max(math.ceil(count), 1)
+
+        return cls(cells(size_x), cells(size_y), resolution, origin)
 
     @property
     def shape(self) -> tuple[int, int]:

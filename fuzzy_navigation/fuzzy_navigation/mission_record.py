@@ -11,11 +11,10 @@ from numpy.typing import NDArray
 
 from fuzzy_map_building.types import Pose2
 from fuzzy_navigation.mission_types import Finish, LogEntry, Outcome, Stop
+from fuzzy_navigation.plan_types import MAX_TOLERANCE
 
 __all__ = ["MissionRecord", "checked_tolerance"]
 
-#: Largest tolerance of a goal [m], that of the parameter as well.
-MAX_TOLERANCE = 10.0
 #: How much nearer than the tolerance a path has to end, for the robot does not stop exactly [m].
 ARRIVAL_MARGIN = 0.01
 #: Distance between two recorded positions [m].

@@ -29,6 +29,7 @@ from fuzzy_navigation.motion_params import (
     FollowerParameters,
     TimeoutParameters,
 )
+from fuzzy_navigation.plan_types import MAX_TOLERANCE
 
 __all__ = [
     "DEFAULT_PRESET",
@@ -97,7 +98,7 @@ class PlannerParameters:
         doc="distance from the goal within which a path may end; 0: only in the goal's cell",
         unit="m",
         minimum=0.0,
-        maximum=10.0,
+        maximum=MAX_TOLERANCE,
     )
     epsilon: float = parameter(
         0.2,
@@ -207,7 +208,7 @@ class MotionParameters:
         doc="distance from the goal that counts as reached",
         unit="m",
         minimum=0.02,
-        maximum=10.0,
+        maximum=MAX_TOLERANCE,
     )
     clearance: ClearanceParameters = field(default_factory=ClearanceParameters)
     follower: FollowerParameters = field(default_factory=FollowerParameters)

@@ -13,7 +13,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from fuzzy_map_building.types import Pose2
 
-__all__ = ["PlanResult", "PlanStatus", "RiskLayer"]
+__all__ = ["MAX_TOLERANCE", "PlanResult", "PlanStatus", "RiskLayer"]
+
+#: Largest tolerance of a goal [m], in parameters and requests alike.
+MAX_TOLERANCE = 10.0
 
 
 class PlanStatus(IntEnum):

@@ -20,7 +20,7 @@ from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.types import Pose2
 from fuzzy_navigation.clearance_layer import clearance_layer
 from fuzzy_navigation.params import PlannerParameters
-from fuzzy_navigation.plan_types import PlanResult, PlanStatus, RiskLayer
+from fuzzy_navigation.plan_types import MAX_TOLERANCE, PlanResult, PlanStatus, RiskLayer
 from fuzzy_navigation.positions import position, positions
 from fuzzy_navigation.risk import augment, checked_risk, path_risks
 from fuzzy_navigation.search import (
@@ -153,8 +153,8 @@ class Planner:
             Neighbours of a cell; 0: the planner's parameter.
         tolerance : float
             Distance [m] from the goal within which the path may end, at the nearest
-            admissible cell that can be reached; 0: the planner's parameter. The cell
-            that holds the goal always counts as within.
+            admissible cell that can be reached, up to `MAX_TOLERANCE`; 0: the planner's
+            parameter. The cell that holds the goal always counts as within.
         barred : array_like, shape (n, 2), optional
             Positions (x, y) [m] whose cells no path may enter; those outside the map do not
             count. The start's cell stays admissible.
@@ -220,8 +220,11 @@ class Planner:
         alpha = round(float(alpha), _DECIMALS)
         if adjacency not in (0, 4, 8):
             raise ValueError(f"adjacency must be 0, 4 or 8, got {adjacency!r}")
-        if not (math.isfinite(tolerance) and tolerance >= 0.0):
-            raise ValueError(f"tolerance must be finite and not negative [m], got {tolerance}")
+        if not 0.0 <= tolerance <= MAX_TOLERANCE:  # a NaN fails
+            raise ValueError(
+                f"tolerance must lie in [0, {MAX_TOLERANCE:g}] m, 0 for the parameter, "
+                f"got {tolerance}"
+            )
         return _Request(
             start=start_xy,
             heading=start.theta if isinstance(start, Pose2) else 0.0,

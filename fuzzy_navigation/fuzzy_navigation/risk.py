@@ -23,6 +23,7 @@ __all__ = [
     "checked_risk",
     "diagonal_factor",
     "path_risks",
+    "real_numbers",
 ]
 
 #: Cost of a diagonal step in straight steps.
@@ -30,6 +31,23 @@ DIAGONALS = {"unit": 1.0, "sqrt2": math.sqrt(2.0)}
 
 # Slack [cells] for lengths such as 0.3 / 0.1, which is 2.9999999999999996.
 _SLACK = 1e-6
+
+
+def real_numbers(values: ArrayLike, name: str) -> NDArray[np.float64]:
+    """Return an array as float64; numpy itself would read texts and drop imaginary parts.
+
+    Raises
+    ------
+    ValueError
+        If it is no array of real numbers.
+    """
+    try:
+        array = np.asarray(values)
+    except ValueError as error:  # rows of different lengths
+        raise ValueError(f"{name} must be an array of real numbers: {error}") from error
+    if array.dtype.kind not in "biuf":
+        raise ValueError(f"{name} must be an array of real numbers, got one of {array.dtype}")
+    return array.astype(np.float64, copy=False)
 
 
 def checked_risk(risk: ArrayLike, name: str = "risk") -> NDArray[np.float64]:
@@ -45,10 +63,10 @@ def checked_risk(risk: ArrayLike, name: str = "risk") -> NDArray[np.float64]:
     Raises
     ------
     ValueError
-        If the map is not two-dimensional, has no cell, or holds a value that is not
-        finite or not in [0, 1].
+        If the map is not of real numbers, not two-dimensional, has no cell, or holds a
+        value that is not finite or not in [0, 1].
     """
-    values = np.ascontiguousarray(risk, dtype=np.float64)
+    values = np.ascontiguousarray(real_numbers(risk, name))
     if values.ndim != 2 or values.size == 0:
         raise ValueError(
             f"{name} must be an array of rows and columns with at least one cell, "

@@ -16,13 +16,20 @@ from __future__ import annotations
 import math
 import operator
 from dataclasses import dataclass
+from numbers import Real
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage
 
 from fuzzy_navigation.kernels import best_first, trace
-from fuzzy_navigation.risk import alpha_cut, checked_risk, diagonal_factor, path_risks
+from fuzzy_navigation.risk import (
+    alpha_cut,
+    checked_risk,
+    diagonal_factor,
+    path_risks,
+    real_numbers,
+)
 
 __all__ = ["COSTS", "SearchResult", "admissible_cells", "find_path", "first_reachable", "warm_up"]
 
@@ -120,8 +127,8 @@ def find_path(
     first, last = _cell(start, values.shape, "start"), _cell(goal, values.shape, "goal")
     _check_choice("cost", cost, COSTS)
     _check_choice("adjacency", adjacency, (4, 8))
-    if not (math.isfinite(epsilon) and epsilon >= 0.0):
-        raise ValueError(f"epsilon must be finite and not negative, got {epsilon}")
+    if not (isinstance(epsilon, Real) and math.isfinite(epsilon) and epsilon >= 0.0):
+        raise ValueError(f"epsilon must be finite and not negative, got {epsilon!r}")
     factor = diagonal_factor(diagonal)
     admissible = admissible_cells(values if cut is None else cut, alpha, barred, values.shape)
     admissible[first] = True
@@ -179,9 +186,9 @@ def admissible_cells(
     ValueError
         If alpha is not in [0, 1], or an array has the wrong shape or values.
     """
-    if not 0.0 <= alpha <= 1.0:
-        raise ValueError(f"alpha must lie in [0, 1], got {alpha}")
-    values = np.asarray(cut, dtype=np.float64)
+    if not (isinstance(alpha, Real) and 0.0 <= alpha <= 1.0):
+        raise ValueError(f"alpha must lie in [0, 1], got {alpha!r}")
+    values = real_numbers(cut, "cut")
     expected = values.shape if shape is None else shape
     if values.shape != expected:
         raise ValueError(f"cut must have the shape {expected} of the risks, got {values.shape}")

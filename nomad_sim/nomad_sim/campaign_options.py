@@ -18,6 +18,7 @@ from fuzzy_map_building.parameter_schema import suggest
 from fuzzy_map_building.params import DEFAULT_PRESET, PRESETS
 from fuzzy_navigation.params import MOTION_PRESETS, PLANNER_PRESETS
 from nomad_sim.missions import MissionSpec
+from nomad_sim.output_folder import made_folder
 from nomad_sim.overrides import critical_angles, parameter_overrides
 from nomad_sim.reference import MISSIONS, ROWS
 from nomad_sim.world import World
@@ -163,7 +164,7 @@ def _parser() -> _Parser:
         metavar="N",
         help="missions at a time (all cores)",
     )
-    how.add_argument("--output", type=Path, metavar="FOLDER", help="write CSV and JSON there")
+    how.add_argument("--output", metavar="FOLDER", help="write CSV and JSON there")
     how.add_argument("--json", action="store_true", help="print JSON in place of tables")
     how.add_argument(
         "--replay", type=int, metavar="SEED", help="run one mission and tell its perceptions"
@@ -273,19 +274,14 @@ def _options(given: Namespace) -> Options:
         raise ValueError("--figures draws what --replay runs into the folder of --output")
     if given.jobs < 1:
         raise ValueError(f"--jobs must be at least 1, got {given.jobs}")
-    if given.output is not None:
-        # Before the missions, not after them.
-        try:
-            given.output.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise ValueError(f"--output {given.output} is no folder: {error.strerror}") from error
+    output = None if given.output is None else made_folder(given.output)
     batches = _batches(given)
     for batch in batches:
         batch.specs[0].mission()  # refuses what cannot be before anything has been run
     return Options(
         batches=batches,
         jobs=given.jobs,
-        output=given.output,
+        output=output,
         as_json=given.json,
         replay=given.replay is not None,
         every_figure=given.figures == "every",

@@ -80,8 +80,8 @@ class HeadlessMission:
     Raises
     ------
     ValueError
-        For an unknown world, preset or parameter, a refused value, or a start that overlaps
-        an obstacle.
+        For an unknown world, preset or parameter, a refused value, a start that overlaps an
+        obstacle, or a start or goal that is no place in the world's area.
     """
 
     def __init__(
@@ -98,7 +98,9 @@ class HeadlessMission:
         simulator: Mapping[str, Any] | None = None,
     ) -> None:
         self.world = world if isinstance(world, World) else load_world(world)
-        self.goal = goal if goal is not None else self.world.goal
+        self.goal = self.world.goal if goal is None else _goal(self.world, goal)
+        if start is not None:
+            _check_start(self.world, start)
         self.simulator = Simulator(
             self.world,
             simulator_parameters({"seed": seed, **(simulator or {})}, self.world.parameters),
@@ -255,6 +257,22 @@ class _Perception:
             return None
         request, self._request = self._request, None
         return request, self._sequence.readings, self._sequence.failed
+
+
+def _goal(world: World, goal: tuple[float, float]) -> tuple[float, float]:
+    """Return a goal in the world's area, or raise ValueError."""
+    try:
+        x, y = map(float, goal)
+    except (TypeError, ValueError):
+        raise ValueError(f"the goal must be a position (x, y) [m], got {goal!r}") from None
+    world.check_inside(x, y, "the goal")
+    return x, y
+
+
+def _check_start(world: World, start: Pose2) -> None:
+    if not isinstance(start, Pose2):
+        raise ValueError(f"the start must be a Pose2(x, y, theta) [m, m, rad], got {start!r}")
+    world.check_inside(start.x, start.y, "the start")
 
 
 def _area(world: World) -> dict[str, float]:

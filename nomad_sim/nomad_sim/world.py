@@ -47,7 +47,7 @@ class Material:
     def __post_init__(self) -> None:
         if not 0.0 < self.critical_angle <= 0.5 * math.pi:
             raise ValueError(
-                f"the critical angle of a material lies above 0 and at most at 90 deg, "
+                f"the critical angle of a material must be above 0 and at most 90 deg, "
                 f"got {math.degrees(self.critical_angle):g} deg"
             )
 
@@ -266,6 +266,29 @@ class World:
             memory = (places, self.still.joined(there))
             object.__setattr__(self, "_memory", memory)
         return memory[1]
+
+    def check_inside(self, x: float, y: float, what: str) -> None:
+        """Raise ValueError, naming the place `what`, if (x, y) [m] is not in the area."""
+        x0, y0 = self.origin
+        x1, y1 = x0 + self.size[0], y0 + self.size[1]
+        if not (x0 <= x < x1 and y0 <= y < y1):  # a NaN is nowhere
+            raise ValueError(
+                f"{what} ({x:g}, {y:g}) m lies outside the area of world '{self.name}', "
+                f"x from {x0:g} to {x1:g} m and y from {y0:g} to {y1:g} m"
+            )
+
+    def check_free(self, x: float, y: float, what: str) -> None:
+        """Raise ValueError, naming the place `what`, if (x, y) [m] lies in an obstacle.
+
+        Obstacles that move, come or go do not count.
+        """
+        lasting = replace(self, moving=tuple(m for m in self.moving if m.lasting))
+        depth = -lasting.surfaces().distance(x, y)
+        if depth > 0.0:
+            raise ValueError(
+                f"{what} ({x:g}, {y:g}) m lies in an obstacle of world '{self.name}', "
+                f"{depth:.2f} m from its surface; choose another"
+            )
 
     def with_critical_angles(self, angles: Mapping[str, float]) -> World:
         """Return the world with other critical angles [rad] of some materials, by name.

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import re
 import reprlib
 from collections.abc import Hashable, Mapping, Sequence
 from typing import Any, NoReturn
@@ -25,6 +26,9 @@ __all__ = [
 ]
 
 FloatArray = NDArray[np.float64]
+
+# A whole number that YAML 1.1 reads in base 8.
+_OCTAL = re.compile(r"[-+]?0[0-7_]+")
 
 #: Largest file [bytes], most entries of a list, farthest coordinate and shortest length [m]:
 #: they bound what a file can make the simulator do.
@@ -57,6 +61,23 @@ class Loader(yaml.SafeLoader):
                 raise WorldError(f"line {key_node.start_mark.line + 1}: key '{key}' is repeated")
             keys.add(key)
         return super().construct_mapping(node, deep)
+
+    def construct_number(self, node: Any) -> float:
+        """Return a number; not one that YAML reads otherwise than people do."""
+        text: str = node.value
+        base = "60" if ":" in text else "8" if _OCTAL.fullmatch(text) else ""
+        kind = node.tag.rpartition(":")[2]
+        value: float = getattr(super(), f"construct_yaml_{kind}")(node)
+        if base:
+            raise WorldError(
+                f"line {node.start_mark.line + 1}: {text} is {value:g} to YAML, which reads it "
+                f"in base {base}; write {value:g} if it is that number, '{text}' if it is a text"
+            )
+        return value
+
+
+for _kind in ("int", "float"):
+    Loader.add_constructor(f"tag:yaml.org,2002:{_kind}", Loader.construct_number)
 
 
 class Node:
@@ -138,8 +159,9 @@ class Node:
     def choice(self, choices: Sequence[str]) -> str:
         """Return one of some texts."""
         if self.value not in list(choices):
-            hint = suggest(self.value, choices) if isinstance(self.value, str) else ""
-            self.refuse(f"one of {', '.join(choices)}{hint},")
+            if isinstance(self.value, str):
+                self.fail(f"{reprlib.repr(self.value)} is unknown{suggest(self.value, choices)}")
+            self.refuse(f"one of {', '.join(choices)}")
         chosen: str = self.value
         return chosen
 

@@ -147,8 +147,9 @@ BAD_REQUESTS: list[tuple[dict[str, Any], str]] = [
     ({"adjacency": 6}, "adjacency must be 0, 4 or 8, got 6"),
     ({"cost": 4}, "cost must be one of 0, 1, 2, 3, got 4"),
     ({"barred": [Point(x=math.nan)]}, "barred"),
-    ({"tolerance": -0.1}, "tolerance must be finite and not negative"),
-    ({"tolerance": math.inf}, "tolerance must be finite and not negative"),
+    ({"tolerance": -0.1}, "tolerance must lie in [0, 10] m"),
+    ({"tolerance": 10.5}, "tolerance must lie in [0, 10] m"),
+    ({"tolerance": math.inf}, "tolerance must lie in [0, 10] m"),
 ]
 
 

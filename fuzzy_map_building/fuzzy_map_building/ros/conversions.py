@@ -52,8 +52,10 @@ NORM_TOLERANCE: Final = 1e-3
 MAX_TILT: Final = math.radians(15.0)
 #: Deviation of a field of view from the parameter that still passes for rounding [rad].
 FIELD_OF_VIEW_TOLERANCE: Final = 1e-3
-#: Largest coordinate that a position may have [m]; beyond it arithmetic in cells overflows.
-MAX_COORDINATE: Final = 1e6
+#: Largest coordinate that a position may have [m], that of a UTM grid: farther positions are
+#: taken for faults. A map may have its origin as far away; whether it holds robot and goal is
+#: for who uses it to say.
+MAX_COORDINATE: Final = 1e7
 
 
 class Refused(ValueError):

@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
-import numpy as np
 import yaml
 
 from fuzzy_map_building.parameter_schema import suggest
@@ -20,6 +19,7 @@ from fuzzy_map_building.ros import names
 from fuzzy_map_building.types import Pose2
 from fuzzy_navigation.params import motion_parameters, planner_parameters
 from nomad_sim.ground_truth import reachable
+from nomad_sim.output_folder import made_folder
 from nomad_sim.ros.params import simulation_parameters
 from nomad_sim.simulator import Simulator
 from nomad_sim.world import World
@@ -115,13 +115,10 @@ def parse_options(arguments: Sequence[str] | None = None) -> DemoOptions:
     # Refuses a start in an obstacle, and parameters that the world does not take.
     values = simulation_parameters({"world": args.world, "seed": args.seed, "rate": args.rate})
     Simulator(world, values)
+    world.check_free(*world.goal, "--goal" if args.goal is not None else "the goal")
     if args.start is not None or args.goal is not None:
         can_be = reachable(world, values.robot.radius, motion.goal_tolerance)
         expected = "reached" if can_be else "unreachable"
-    try:
-        args.output.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise ValueError(f"--output {args.output}: {error.strerror}") from error
     return DemoOptions(
         world=world,
         world_source=args.world,
@@ -129,7 +126,7 @@ def parse_options(arguments: Sequence[str] | None = None) -> DemoOptions:
         seed=args.seed,
         rate=args.rate,
         lockstep=args.lockstep,
-        output=args.output,
+        output=made_folder(args.output),
         preset=args.preset,
         params_file=args.params_file,
         timeout=args.timeout,
@@ -165,9 +162,7 @@ def _parser() -> argparse.ArgumentParser:
         help="simulated seconds a second, 0: as fast as the machine allows "
         f"(default: {DEFAULT_RATE:g})",
     )
-    parser.add_argument(
-        "--output", type=Path, default=Path("demo"), help="folder for results (default: demo)"
-    )
+    parser.add_argument("--output", default="demo", help="folder for results (default: demo)")
     parser.add_argument(
         "--preset",
         default=DEFAULT_PRESET,
@@ -220,13 +215,9 @@ def _domain(text: str) -> int:
 
 def _moved(world: World, start: list[float] | None, goal: list[float] | None) -> World:
     """Return the world with another start or goal, both in its area."""
-    (x0, y0), (x1, y1) = world.origin, np.add(world.origin, world.size)
-    for name, place in (("start", start), ("goal", goal)):
-        if place is not None and not (x0 <= place[0] < x1 and y0 <= place[1] < y1):
-            raise ValueError(
-                f"--{name} ({place[0]:g}, {place[1]:g}) m lies outside the area of world "
-                f"'{world.name}', x from {x0:g} to {x1:g} m and y from {y0:g} to {y1:g} m"
-            )
+    for name, place in (("--start", start), ("--goal", goal)):
+        if place is not None:
+            world.check_inside(place[0], place[1], name)
     return replace(
         world,
         start=world.start if start is None else Pose2(*start),

@@ -28,6 +28,20 @@ GRID = GridGeometry(7, 5, 0.25, (-1.0, 2.0))
         ((5, 5, 0.1, (0.0, math.inf)), "origin"),
         ((5, 5, 0.1, (0.0,)), "origin"),
         ((5, 5, 0.1, (0.0, 0.0, 0.0)), "origin"),
+        ((5, 5, 0.1, 3.0), "origin"),
+        ((5, 5, 0.1, ("0", 0.0)), "origin"),
+        ((5, 5, 0.1, (0.0, 10**400)), "origin"),
+        (("5", 5, 0.1), "width"),
+        ((10**400, 5, 0.1), "exceeds the limit"),
+        ((5, 5, "0.1"), "resolution"),
+        ((5, 5, 1e-300), "resolution must be from"),
+        ((5, 5, 1e300), "resolution must be from"),
+        ((5, 5, 10**400), "resolution"),
+        ((5, 5, 0.1, (1e308, 0.0)), "too far away"),
+        ((5, 5, 0.1, (0.0, -1e308)), "too far away"),
+        # Each on its own is fine; there the floats are 1.5e-8 m apart.
+        ((5, 5, 1e-6, (9e7, 0.0)), "too far away"),
+        ((10**7, 1, 100.0), "too far away"),
     ],
 )
 def test_nonsense_is_refused_by_name(arguments: tuple, message: str) -> None:
@@ -49,10 +63,27 @@ def test_from_size_covers_the_area_and_no_more(size: float, resolution: float, c
     assert GridGeometry.from_size(size, size, resolution).shape == (cells, cells)
 
 
-@pytest.mark.parametrize("bad", [0.0, -1.0, math.nan, math.inf])
+def test_far_cells_are_told_apart() -> None:
+    # UTM coordinates, and the farthest that cells of a micrometre may lie.
+    for resolution, far in ((0.1, 9.9e6), (1e-6, 1e6)):
+        grid = GridGeometry(50, 40, resolution, (far, -far))
+        for row in range(40):
+            for column in range(50):
+                assert grid.cell_of(*grid.centre_of(row, column)) == (row, column)
+
+
+@pytest.mark.parametrize(
+    "sizes", [(1e300, 1.0, 1e-300), (1.0, 1e300, 0.1), (1.0, 10**400, 0.1), (1e5, 1e5, 1e-3)]
+)
+def test_areas_of_too_many_cells_are_refused(sizes: tuple[float, float, float]) -> None:
+    with pytest.raises(ValueError, match=r"exceeds the limit|must be finite"):
+        GridGeometry.from_size(*sizes)
+
+
+@pytest.mark.parametrize("bad", [0.0, -1.0, math.nan, math.inf, "1"])
 def test_from_size_refuses_nonsense(bad: float) -> None:
     for sizes in ((bad, 1.0, 0.1), (1.0, bad, 0.1), (1.0, 1.0, bad)):
-        with pytest.raises(ValueError, match="positive and finite"):
+        with pytest.raises(ValueError, match="finite"):
             GridGeometry.from_size(*sizes)
 
 

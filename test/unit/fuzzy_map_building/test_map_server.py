@@ -92,7 +92,7 @@ def test_raw_values(tmp_path: Path) -> None:
         ({"origin": [0.0, 0.0]}, "origin must be"),
         ({"origin": [0.0, "a", 0.0]}, "origin must be a finite number"),
         ({"origin": ...}, "missing: origin"),
-        ({"resolution": 0.0}, "resolution must be positive"),
+        ({"resolution": 0.0}, "resolution must be from"),
         ({"resolution": "fine"}, "resolution must be a finite number"),
         ({"resolution": float("nan")}, "resolution must be a finite number"),
         ({"resolution": 10**400}, "cannot import"),

@@ -219,7 +219,7 @@ def test_a_fresh_first_seed_is_said(small: Path, capsys: pytest.CaptureFixture[s
         ("--world lab --set motion.clearance.rule=strickt", "did you mean 'strict'?"),
         ("--world lab --set simulator.seed=3", "--first-seed"),
         ("--world lab --critical-angle glas=3", "did you mean 'glass'?"),
-        ("--world lab --critical-angle glass=0", "lies above 0"),
+        ("--world lab --critical-angle glass=0", "must be above 0 and at most 90 deg"),
         ("--world lab --seeds many", "invalid int value: 'many'"),
         ("--world lab --seeds 0", "--seeds must be from 1 to"),
         ("--world lab --first-seed -1", "a seed must be from 0 to"),
@@ -234,7 +234,10 @@ def test_a_fresh_first_seed_is_said(small: Path, capsys: pytest.CaptureFixture[s
         ("--world lab --replay -3", "a seed must be from 0 to"),
         ("--world lab --figures every", "--figures draws what --replay runs"),
         ("--world lab --replay 3 --figures all --output out", "invalid choice: 'all'"),
-        ("--world lab --output /dev/null", "no folder"),
+        ("--world lab --output /dev/null", "--output /dev/null is no folder: a file"),
+        ("--world lab --output /dev/null/a", "cannot make this folder: Not a directory"),
+        ("--world lab --output=", "--output '' names no folder"),
+        ("--world lab --output /proc", "--output /proc: cannot write there: "),
     ],
 )
 def test_what_cannot_be_is_refused_in_one_line(

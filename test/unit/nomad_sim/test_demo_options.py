@@ -18,6 +18,8 @@ expected: reached
 walls:
   - {material: painted_wall, closed: true, points: [[0, 0], [3, 0], [3, 2], [0, 2]]}
   - {material: painted_wall, points: [[2.0, 0], [2.0, 2]]}
+circles:
+  - {material: wood, center: [2.75, 0.25], radius: 0.1}
 """
 
 
@@ -68,12 +70,16 @@ def test_the_true_verdict_is_that_of_the_goal_asked_for(room: Path, tmp_path: Pa
         (["--goal", "3.5", "1"], r"--goal \(3.5, 1\) m lies outside the area of world 'room'"),
         (["--start", "-1", "1", "0"], r"--start \(-1, 1\) m lies outside"),
         (["--start", "0.1", "1", "0"], r"cannot start at \(0.1, 1\)"),
+        (["--goal", "2.7", "0.3"], r"--goal \(2.7, 0.3\) m lies in an obstacle of world 'room'"),
+        (["--start", "2.7", "0.3", "0"], r"cannot start at \(2.7, 0.3\)"),
+        (["--output", ""], "--output"),
+        (["--output", "/proc"], "--output /proc: "),
         (["--rate", "-1"], "'rate' must be at least 0"),
         (["--seed", "-1"], "'seed' must be at least 0"),
         (["--preset", "oriolo"], "did you mean 'oriolo1998'?"),
         (["--preset", "map_building"], "map_building"),  # none of the planner's
         (["--params-file", "none.yaml"], "none.yaml: No such file"),
-        (["--output", "room.yaml/out"], "room.yaml/out: Not a directory"),
+        (["--output", "room.yaml/out"], "room.yaml/out: cannot make this folder: Not a directory"),
     ],
 )
 def test_what_cannot_be_is_refused(

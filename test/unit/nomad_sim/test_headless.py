@@ -127,6 +127,13 @@ def test_single_parameters_override_the_preset(room: World) -> None:
         ({"motion": {"beta": 2.0}}, "at most"),
         ({"simulator": {"noize": True}}, "did you mean 'noise'"),
         ({"start": Pose2(0.1, 0.1, 0.0)}, "overlap an obstacle"),
+        ({"start": Pose2(-9.0, 0.1, 0.0)}, r"the start \(-9, 0.1\) m lies outside the area"),
+        ({"start": (1.0, 1.0, 0.0)}, "must be a Pose2"),
+        ({"goal": (99.0, 1.0)}, r"the goal \(99, 1\) m lies outside the area"),
+        ({"goal": (math.nan, 1.0)}, r"the goal \(nan, 1\) m lies outside"),
+        ({"goal": (1,)}, r"must be a position \(x, y\) \[m\], got \(1,\)"),
+        ({"goal": 1}, r"must be a position \(x, y\) \[m\], got 1"),
+        ({"goal": ("a", "b")}, r"must be a position"),
     ],
 )
 def test_what_does_not_fit_is_refused(room: World, options: dict, message: str) -> None:  # type: ignore[type-arg]

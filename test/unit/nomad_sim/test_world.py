@@ -97,7 +97,7 @@ def test_other_critical_angles():
     assert plain.surfaces().critical_angles[0] == pytest.approx(math.radians(8.0))
     with pytest.raises(ValueError, match="did you mean 'glass'"):
         plain.with_critical_angles({"glas": 0.5})
-    with pytest.raises(ValueError, match="at most at 90 deg"):
+    with pytest.raises(ValueError, match="at most 90 deg"):
         plain.with_critical_angles({"glass": 2.0})
 
 

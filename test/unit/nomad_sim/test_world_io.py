@@ -84,7 +84,12 @@ def changed(old, new):
             "radios: 0.2,",
             r"circles\[0\]: .* did you mean 'radius'",
         ),
-        ("material: wood}", "material: wod}", r"polygons\[0\].material: .*did you mean 'wood'"),
+        (
+            "material: wood}",
+            "material: wod}",
+            r"^polygons\[0\].material: 'wod' is unknown; did you mean 'wood'\?$",
+        ),
+        ("material: wood}", "material: 7}", r"polygons\[0\].material: one of .* expected, got 7$"),
         ("expected: reached", "expected: reach", "expected: .*did you mean 'reached'"),
         ("heading_deg: 90", "heading: 90", "start: .* did you mean 'heading_deg'"),
         ("critical_angle_deg", "critical_angle", "did you mean 'critical_angle_deg'"),
@@ -153,6 +158,9 @@ def changed(old, new):
         ("name: hall", "name: !!python/object:os.system hall", "not a YAML document"),
         ("name: hall", "name: [", "not a YAML document"),
         ("name: hall", "name: 2024-13-45", "a value that cannot be read"),
+        ("name: hall", "name: 1:20", r"line 2: 1:20 is 80 to YAML, .* base 60; .*'1:20' if it is"),
+        ("size: [6, 4]", "size: [6, 0:04.5]", r"line \d: 0:04.5 is 4.5 to YAML"),
+        ("size: [6, 4]", "size: [6, 010]", r"line \d: 010 is 8 to YAML, .* base 8"),
     ],
 )
 def test_what_is_wrong_is_named(old, new, message):
