@@ -140,6 +140,8 @@ class FakeMapper:
         #: What to do with the next goals: succeed, abort, reject, hang, or succeed a while
         #: before the map comes (late_map).
         self.behaviour = "succeed"
+        #: What it says when it aborts.
+        self.reason = ""
         self.goals = 0
         self.cancelled = 0
 
@@ -166,6 +168,7 @@ class FakeMapper:
             handle.canceled()
         elif self.behaviour == "abort":
             handle.abort()
+            return BuildMap.Result(message=self.reason)
         else:
             if self.behaviour == "late_map":
                 self._late_map = self._robot.time + 10 * STEP

@@ -55,7 +55,9 @@ def test_stop_during_a_perception_aborts_it_and_tells_its_client(
     result = handle.get_result_async()
     wait_until(lambda: robot.commands, "a command to the turret")
     mapper.assert_clean_stop(number)
-    assert probe.result_of(result).status == GoalStatus.STATUS_ABORTED
+    response = probe.result_of(result)
+    assert response.status == GoalStatus.STATUS_ABORTED
+    assert response.result.message == "the mapper was stopped"
     assert "perception failed: the mapper was stopped" in mapper.output()
     robot.close()
 

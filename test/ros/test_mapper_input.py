@@ -335,6 +335,7 @@ def test_a_clock_that_stands_ends_a_perception(bench: Bench) -> None:
     response = bench.probe.result_of(handle.get_result_async(), "the result")
     assert response.status == GoalStatus.STATUS_ABORTED
     assert f"the clock has stood at {bench.start:.3f} s" in bench.log()
+    assert "the clock has stood" in response.result.message
 
 
 def test_a_clock_that_races_does_not_cut_a_perception_short(bench: Bench) -> None:

@@ -126,6 +126,7 @@ def test_a_perception_gives_the_maps_of_the_core(
     assert response.status == GoalStatus.STATUS_SUCCEEDED
     result = response.result
     assert (result.perception, result.readings, result.rejected) == (1, 48, 0)
+    assert result.message == ""
     assert 0.0 < result.duration < 10.0
     # The last ones may come after the result, and are then dropped by the client.
     assert feedback
@@ -183,6 +184,7 @@ def test_only_one_perception_at_a_time_and_a_canceled_one_leaves_the_map(
     module_probe.result_of(first.cancel_goal_async(), "the answer to the cancel")
     response = module_probe.result_of(first.get_result_async(), "the result")
     assert response.status == GoalStatus.STATUS_CANCELED
+    assert "canceled" in response.result.message
     assert (motion_map(module_probe) == 100).all()
     # The next one is served as if nothing had been, and counts the faulty sonar.
     status, result = perceive(module_probe, build_map)
@@ -213,6 +215,7 @@ def test_a_perception_that_cannot_be_made_is_aborted_with_a_word(
     set_parameters(module_probe, turret__timeout=LONG, perception__timeout=LONG)
     assert status == GoalStatus.STATUS_ABORTED
     assert result.readings == 0
+    assert message in result.message
     assert (motion_map(module_probe) == 100).all()
     mapper.wait_for_output(message)
     diagnostics = module_probe.subscribe(DiagnosticArray, names.DIAGNOSTICS, qos.RELIABLE)
@@ -228,6 +231,7 @@ def test_a_perception_of_faulty_readings_is_none(
     status, result = perceive(module_probe, build_map)
     assert status == GoalStatus.STATUS_ABORTED
     assert result.perception == 0
+    assert result.message == "none of 48 readings gave evidence (3 nan, 45 out_of_range)"
     assert (motion_map(module_probe) == 100).all()
     mapper.wait_for_output("none of 48 readings gave evidence (3 nan, 45 out_of_range)")
 

@@ -166,12 +166,17 @@ def test_the_topic_goal_pose_does_the_same(scene: Scene) -> None:
 
 
 @pytest.mark.parametrize(
-    ("behaviour", "reason"), [("abort", "the mapper aborted it"), ("reject", "rejected it")]
+    ("behaviour", "told", "reason"),
+    [
+        ("abort", "the turret is stuck", "the mapper aborted it: the turret is stuck"),
+        ("abort", "", "the mapper aborted it: its diagnostics say why"),
+        ("reject", "", "rejected it"),
+    ],
 )
 def test_a_mapper_that_fails_is_asked_again_then_named(
-    scene: Scene, behaviour: str, reason: str
+    scene: Scene, behaviour: str, told: str, reason: str
 ) -> None:
-    scene.mapper.behaviour = behaviour
+    scene.mapper.behaviour, scene.mapper.reason = behaviour, told
     result = scene.result(scene.send(goal_at(2.0, 2.0))).result
     assert result.outcome == RESULT.FAILED
     assert reason in result.message

@@ -128,7 +128,8 @@ class BuildMapServer:
             return
         if goal.handle.is_cancel_requested:
             self._node.get_logger().info("perception canceled; the map is as it was")
-            self._end(goal, goal.handle.canceled, BuildMap.Result())
+            result = BuildMap.Result(message="the client canceled it; the map is as it was")
+            self._end(goal, goal.handle.canceled, result)
             return
         angle = goal.sequence.step(now, goal.patience.read(now))
         if angle is not None:
@@ -151,7 +152,7 @@ class BuildMapServer:
             return
         self.failure = reason
         self._node.get_logger().error(f"perception failed: {reason}")
-        self._end(goal, goal.handle.abort, BuildMap.Result())
+        self._end(goal, goal.handle.abort, BuildMap.Result(message=reason))
 
     def _on_goal(self, _: BuildMap.Goal) -> GoalResponse:
         if self._goal is None:

@@ -108,10 +108,13 @@ class MapperClient:
     def _on_result(self, request: int, handle: ClientGoalHandle, future: Future) -> None:
         if handle is self._handle:
             self._handle = None
-        status = future.result().status
+        status, result = future.result().status, future.result().result
+        if status == GoalStatus.STATUS_SUCCEEDED:
+            self._end(request, True, "")
+            return
         end = _ENDS.get(status, f"ended with status {status}")
-        ok = status == GoalStatus.STATUS_SUCCEEDED
-        self._end(request, ok, "" if ok else f"the mapper {end} it; its diagnostics say why")
+        why = result.message or "its diagnostics say why"
+        self._end(request, False, f"the mapper {end} it: {why}")
 
     def _end(self, request: int, ok: bool, message: str) -> None:
         if request == self._request:
