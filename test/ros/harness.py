@@ -22,6 +22,7 @@ import os
 import signal
 import subprocess
 import sys
+import textwrap
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -222,7 +223,10 @@ class Probe:
 
 
 class NodeProcess:
-    """One of the project's executables as a process in a session of its own."""
+    """One of the project's executables as a process in a session of its own.
+
+    `patch` is Python that runs in the process before its ``main``, to break it.
+    """
 
     def __init__(
         self,
@@ -232,6 +236,7 @@ class NodeProcess:
         parameters: Mapping[str, Any] | None = None,
         remap: Mapping[str, str] | None = None,
         environment: Mapping[str, str] | None = None,
+        patch: str = "",
     ) -> None:
         self.executable = executable
         self.log = log
@@ -240,7 +245,7 @@ class NodeProcess:
             ros += ["-p", _rule(name, value)]
         for name, other in (remap or {}).items():
             ros += ["-r", f"{name}:={other}"]
-        command = [*command_of(executable), *arguments]
+        command = [*command_of(executable, patch), *arguments]
         if ros:
             command += ["--ros-args", *ros]
         variables = {
@@ -331,16 +336,20 @@ class NodeProcess:
         self._process.wait()
 
 
-def command_of(executable: str) -> list[str]:
+def command_of(executable: str, patch: str = "") -> list[str]:
     """Return the command of an executable: the installed one, or its module's ``main``."""
     package, module = EXECUTABLES[executable]
     for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
         installed = Path(prefix) / "lib" / package / executable
-        if installed.is_file():
+        if installed.is_file() and not patch:
             return [str(installed)]
-    start = (
-        f"import sys; from {module} import main; sys.argv[0] = {executable!r}; sys.exit(main())"
-    )
+    start = f"""
+import sys
+from {module} import main
+{textwrap.dedent(patch)}
+sys.argv[0] = {executable!r}
+sys.exit(main())
+"""
     return [sys.executable, "-c", start]
 
 

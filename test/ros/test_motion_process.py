@@ -21,8 +21,9 @@ def make_scene(
     """Start a process for this test alone, among the partners that it names."""
     scenes: list[Scene] = []
 
-    def make(**partners: bool) -> Scene:
-        scenes.append(Scene(probe, start_node("motion", parameters=PARAMETERS), **partners))
+    def make(patch: str = "", **partners: bool) -> Scene:
+        motion = start_node("motion", parameters=PARAMETERS, patch=patch)
+        scenes.append(Scene(probe, motion, **partners))
         return scenes[-1]
 
     yield make
@@ -74,6 +75,36 @@ def test_a_stop_leaves_the_robot_standing(
     result = scene.probe.result_of(answer, "the last verdict").result
     assert result.outcome == RESULT.CANCELED
     assert "stopped" in result.message
+
+
+FAULT = """
+from fuzzy_navigation.mission import Mission
+
+whole, said = Mission.on_pose, []
+
+def on_pose(self, now, pose, infrared=()):
+    commands = whole(self, now, pose, infrared)
+    said.extend(c.linear for c in commands if hasattr(c, "linear") and c.linear > 0.3)
+    if len(said) > 5:
+        raise RuntimeError("a fault in the mission")
+    return commands
+
+Mission.on_pose = on_pose
+"""
+
+
+def test_a_fault_while_it_drives_leaves_the_robot_standing(
+    make_scene: Callable[..., Scene],
+) -> None:
+    scene = make_scene(patch=FAULT)
+    answer = scene.send(goal_at(3.5, 2.5)).get_result_async()
+    assert scene.motion.wait() == 1
+    wait_until(lambda: scene.robot.stands, "the last command")
+    assert max(v for _, v, _ in scene.robot.commands) > 0.3, "it did not drive: the test is void"
+    last = scene.motion.output().strip().splitlines()[-1]
+    assert last == "motion: ended by a fault in the program: RuntimeError: a fault in the mission"
+    # Whoever sent the goal learns of it as well.
+    assert scene.probe.result_of(answer, "the last verdict").result.outcome == RESULT.CANCELED
 
 
 def test_an_idle_node_stops_without_a_word_to_the_robot(make_scene: Callable[..., Scene]) -> None:

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from diagnostic_msgs.msg import DiagnosticArray
 from rcl_interfaces.msg import ParameterType
 from rcl_interfaces.srv import (
     DescribeParameters,
@@ -20,8 +21,8 @@ from rclpy.parameter import Parameter
 
 from fuzzy_map_building.parameter_schema import describe, flatten
 from fuzzy_map_building.params import MapperParameters, mapper_parameters
-from fuzzy_map_building.ros import names
-from ros.harness import NodeProcess, Probe
+from fuzzy_map_building.ros import names, qos
+from ros.harness import NodeProcess, Probe, wait_until
 
 NODE = names.MAPPER_NODE
 
@@ -41,6 +42,13 @@ class Remote:
 
     def __init__(self, probe: Probe) -> None:
         self._probe = probe
+        self._diagnostics = probe.subscribe(DiagnosticArray, names.DIAGNOSTICS, qos.RELIABLE)
+
+    def refused(self) -> int:
+        """Return how many changes the next diagnostics count as refused."""
+        self._diagnostics.clear()
+        values = self._diagnostics.wait_for().status[0].values
+        return sum(int(v.value) for v in values if v.key == "rejected.set_parameters.refused")
 
     def get(self, name: str) -> object:
         request = GetParameters.Request(names=[name])
@@ -156,15 +164,22 @@ def test_changes_while_the_node_runs(remote: Remote) -> None:
         ({"evidence__k_empty": 1.5}, "out of range"),
         ({"evidence__k_empty": float("nan")}, "out of range"),
         ({"evidence__range_margin": float("inf")}, "out of range"),
-        ({"evidence__k_empty": "much"}, "Wrong parameter type"),
-        ({"fusion__max_count": 2.5}, "Wrong parameter type"),
+        ({"evidence__k_empty": "much"}, "'evidence.k_empty' must be of type float, got 'much'"),
+        ({"fusion__max_count": 2.5}, "'fusion.max_count' must be of type int, got 2.5"),
+        ({"evidence__k_empty": [0.5]}, "'evidence.k_empty' must be of type float, got"),
+        ({"turret__angles": 0.5}, "'turret.angles' must be a list of float, got 0.5"),
+        ({"turret__angles": ["a"]}, "'turret.angles' must be a list of float, got ['a']"),
+        ({"evidence__k_empty": None}, "'evidence.k_empty' cannot be removed"),
         ({"fusion__aggregation": "mena"}, "did you mean 'mean'"),
         ({"turret__angles": [0.0, 99.0]}, "turret.angles"),
         # Each is in its range; together they are not: the sonar's maximum is 5 m.
         ({"sonar__min_range": 6.0}, "must be less than"),
         ({"area__resolution": 0.05}, "read-only"),
         ({"preset": "oriolo1998"}, "read-only"),
-        ({"evidence__k_emty": 0.1}, "undeclared"),
+        (
+            {"evidence__k_emty": 0.1},
+            "unknown parameter 'evidence.k_emty'; did you mean 'evidence.k_empty'?",
+        ),
     ],
 )
 def test_changes_that_are_refused(remote: Remote, change: dict[str, object], reason: str) -> None:
@@ -174,6 +189,19 @@ def test_changes_that_are_refused(remote: Remote, change: dict[str, object], rea
     assert reason in answer
     if before is not None:
         assert remote.get(name.replace("__", ".")) == before
+    assert reason in remote.set_together(**change)
+
+
+def test_refused_changes_are_counted_and_the_others_of_the_request_are_made(
+    remote: Remote,
+) -> None:
+    before = remote.refused()
+    answers = remote.set(evidence__k_empty=0.27, evidence__k_emty=0.1, fusion__max_count="x")
+    assert ["unknown" in answer for answer in answers] == [True, False]
+    assert remote.get("evidence.k_empty") == 0.27
+    assert remote.set_together(evidence__k_empty=0.28, evidence__k_emty=0.1)
+    assert remote.get("evidence.k_empty") == 0.27
+    wait_until(lambda: remote.refused() == before + 3, "three refusals")
 
 
 def test_values_of_no_type_are_refused_and_the_node_lives(
@@ -184,12 +212,14 @@ def test_values_of_no_type_are_refused_and_the_node_lives(
     bad.value.type = 99
     request = SetParameters.Request(parameters=[good, bad])
     response = shared_probe.call(SetParameters, f"{NODE}/set_parameters", request)
-    assert [r.successful for r in response.results] == [False, False]
-    assert "'evidence.k_occupied' has a value of type 99" in response.results[0].reason
+    assert [r.successful for r in response.results] == [True, False]
+    assert "'evidence.k_occupied' has a value of type 99" in response.results[1].reason
+    assert remote.get("evidence.k_empty") == 0.11
+    good = Parameter("evidence.k_empty", value=0.12).to_parameter_msg()
     together = SetParametersAtomically.Request(parameters=[good, bad])
     service = f"{NODE}/set_parameters_atomically"
     assert not shared_probe.call(SetParametersAtomically, service, together).result.successful
-    assert remote.get("evidence.k_empty") != 0.11
+    assert remote.get("evidence.k_empty") == 0.11
 
 
 def test_limits_that_only_hold_together_are_changed_together_or_not_at_all(

@@ -123,4 +123,30 @@ def test_a_fault_in_the_program_does_not_pass_for_a_stop(where: str) -> None:
         where,
     )
     assert done.returncode == 1
-    assert "RuntimeError: a fault" in done.stderr
+    assert done.stderr.strip().splitlines()[-1].endswith("RuntimeError: a fault")
+
+
+def test_a_node_that_fails_may_still_say_what_matters() -> None:
+    done = run("""
+        class Faulty(Node):
+            def __init__(self):
+                super().__init__("faulty")
+                self.create_timer(0.01, self.fail)
+
+            def fail(self):
+                raise RuntimeError("a fault\\nin two lines")
+
+            def on_fault(self):
+                print("the robot stands", flush=True)
+                raise ValueError("a second fault")
+
+            def on_stop(self):
+                print("the actions are ended", flush=True)
+
+        sys.exit(spin_node(Faulty))
+    """)
+    assert done.returncode == 1
+    assert done.stdout == "the robot stands\nthe actions are ended\n"
+    told = done.stderr.strip().splitlines()[-1]
+    assert told == "-c: ended by a fault in the program: RuntimeError: a fault in two lines"
+    assert "a second fault" not in done.stderr

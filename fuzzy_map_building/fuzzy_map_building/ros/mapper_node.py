@@ -85,6 +85,7 @@ class MapperNode(Node):
         self._maps = MapPublisher(self, self._mapper)
         self._turret = self.create_publisher(Float64, names.TURRET_COMMAND, qos.RELIABLE)
         self._diagnostics = Diagnostics(self, self._diagnostic_values, self._problem)
+        self._settings.on_refusal = self._diagnostics.reject
         self._build_map = BuildMapServer(
             self,
             new_sequence=lambda: PerceptionSequence(self._settings.values),

@@ -20,7 +20,7 @@ node runs every change is checked as a whole, cross-checks included, before it i
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any, Final, Generic, TypeVar
 
 from rcl_interfaces.msg import (
@@ -32,6 +32,7 @@ from rcl_interfaces.msg import (
 from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 from rclpy.node import Node
 from rclpy.parameter import Parameter
+from rclpy.service import Service
 
 from fuzzy_map_building.parameter_schema import (
     ParameterError,
@@ -72,12 +73,21 @@ class NodeParameters(Generic[T]):
     ----------
     values : dataclass instance
         Replaced as a whole when a parameter changes.
+    on_refusal : callable, optional
+        ``on_refusal(source, reason, message)`` for each change at run time that was refused,
+        as `Diagnostics.reject` takes it.
     """
 
     def __init__(self, values: T, on_change: Callable[[T], None] | None) -> None:
         self.values = values
+        self.on_refusal: Callable[[str, str, str], None] | None = None
         self._on_change = on_change
         self._infos = describe(type(values))
+
+    @property
+    def names(self) -> Collection[str]:
+        """Their dotted names."""
+        return self._infos.keys()
 
     def convert(self, parameters: Iterable[Parameter]) -> list[Parameter]:
         """Return the parameters with whole numbers made floats where floats belong.
@@ -100,6 +110,22 @@ class NodeParameters(Generic[T]):
                 parameter.name, Parameter.Type.DOUBLE_ARRAY, [float(v) for v in value]
             )
         return parameter
+
+    def refusal(self, parameter: Parameter) -> str:
+        """Return why a parameter cannot be set, whatever the others are; empty if it can.
+
+        rclpy refuses the same, but names neither the parameter nor what it should be.
+        """
+        info = self._infos.get(parameter.name)
+        if info is None:
+            return f"unknown parameter '{parameter.name}'{suggest(parameter.name, self._infos)}"
+        kind = self._converted(parameter).type_
+        if kind is _type_of(info):
+            return ""
+        wanted = f"{'a list of' if info.is_sequence else 'of type'} {info.type.__name__}"
+        if kind is Parameter.Type.NOT_SET:
+            return f"parameter '{parameter.name}' cannot be removed; it must be {wanted}"
+        return f"parameter '{parameter.name}' must be {wanted}, got {parameter.value!r}"
 
     def check(self, parameters: Iterable[Parameter]) -> SetParametersResult:
         """Return whether the node may take the changed parameters, and why not."""
@@ -181,37 +207,57 @@ def declare_parameters(
     node.add_pre_set_parameters_callback(parameters.convert)
     node.add_on_set_parameters_callback(parameters.check)
     node.add_post_set_parameters_callback(parameters.apply)
-    _guard_services(node)
+    _guard_services(node, parameters)
     return parameters
 
 
-def _guard_services(node: Node) -> None:
-    """Refuse requests to set a parameter to a value of no type, of which rclpy's callbacks die."""
-    known = {kind.value for kind in Parameter.Type}
+def _guard_services(node: Node, parameters: NodeParameters[T]) -> None:
+    """Look at requests to set parameters before rclpy does, and at its refusals after it."""
+    kinds = {kind.value for kind in Parameter.Type}
 
-    def malformed(request: Any) -> str:
-        for parameter in request.parameters:
-            if parameter.value.type not in known:
-                return f"'{parameter.name}' has a value of type {parameter.value.type}, unknown"
-        return ""
+    def reason(message: Any) -> str:
+        # rclpy's callbacks die of a value of no type.
+        if message.value.type not in kinds:
+            return f"'{message.name}' has a value of type {message.value.type}, unknown"
+        foreign = node.has_parameter(message.name) and message.name not in parameters.names
+        return "" if foreign else parameters.refusal(Parameter.from_parameter_msg(message))
 
-    def guarded(callback: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
-        def answer(request: Any, response: Any) -> Any:
-            reason = malformed(request)
-            if not reason:
-                return callback(request, response)
-            refused = SetParametersResult(successful=False, reason=f"nothing was set: {reason}")
-            if isinstance(response, SetParameters.Response):
-                response.results = [refused for _ in request.parameters]
-            else:
-                response.result = refused
+    def told(result: SetParametersResult) -> SetParametersResult:
+        if not result.successful and parameters.on_refusal is not None:
+            parameters.on_refusal("set_parameters", "refused", result.reason)
+        return result
+
+    def guarded(service: Service) -> Callable[[Any, Any], Any]:
+        callback = service.callback
+
+        def each(request: Any, response: Any) -> Any:
+            results = [
+                SetParametersResult(successful=False, reason=reason(p)) for p in request.parameters
+            ]
+            good = [i for i, result in enumerate(results) if not result.reason]
+            request.parameters = [request.parameters[i] for i in good]
+            answered = callback(request, response).results
+            for i, result in zip(good, answered, strict=True):
+                results[i] = result
+            response.results = [told(result) for result in results]
             return response
 
-        return answer
+        def together(request: Any, response: Any) -> Any:
+            reasons = list(filter(None, map(reason, request.parameters)))
+            if reasons:
+                response.result = SetParametersResult(
+                    successful=False, reason=f"nothing was set: {reasons[0]}"
+                )
+            else:
+                response = callback(request, response)
+            told(response.result)
+            return response
+
+        return each if service.srv_type is SetParameters else together
 
     for service in node.services:
         if service.srv_type in (SetParameters, SetParametersAtomically):
-            service.callback = guarded(service.callback)
+            service.callback = guarded(service)
 
 
 def _type_of(info: ParameterInfo) -> Parameter.Type:

@@ -18,6 +18,7 @@ import contextlib
 import signal
 import sys
 import time
+import traceback
 from collections.abc import Callable, Iterator, Sequence
 from typing import Final
 
@@ -27,8 +28,12 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
-__all__ = ["EXIT_REFUSED", "StopRequest", "spin_node", "stop_on_signals"]
+from fuzzy_map_building.ros.addressed import Addressed
 
+__all__ = ["EXIT_FAULT", "EXIT_REFUSED", "StopRequest", "spin_node", "stop_on_signals"]
+
+#: Exit code of a process that a fault in the program has ended.
+EXIT_FAULT: Final = 1
 #: Exit code of a process that could not start: a parameter or an argument was refused.
 EXIT_REFUSED: Final = 2
 
@@ -80,7 +85,8 @@ def spin_node(factory: Callable[[], Node], args: Sequence[str] | None = None) ->
 
     A node with a method ``on_stop()`` has it called once before it is destroyed, with the
     executor still spinning for `DRAIN_TIME` afterwards: the place to end actions and to
-    stop the robot.
+    stop the robot. When a callback raises, a method ``on_fault()`` is called before, the
+    place for what must be done whatever state the node is in.
 
     Parameters
     ----------
@@ -94,12 +100,8 @@ def spin_node(factory: Callable[[], Node], args: Sequence[str] | None = None) ->
     int
         Exit code: 0 after a signal, or when a callback has shut rclpy down; `EXIT_REFUSED`
         when the node could not start because the command line, a parameter or a file was
-        refused. The reason is then one line on stderr.
-
-    Raises
-    ------
-    Exception
-        Whatever a callback raises: a fault in the program must not pass for a stop.
+        refused, the reason then being one line on stderr; `EXIT_FAULT` when a callback has
+        raised, which is told in the last line on stderr, after the traceback.
     """
     argv = list(sys.argv if args is None else args)
     with stop_on_signals() as stop:
@@ -114,6 +116,9 @@ def spin_node(factory: Callable[[], Node], args: Sequence[str] | None = None) ->
             while not stop.requested and rclpy.ok():
                 executor.spin_once(timeout_sec=SPIN_PERIOD)
             _drain(node, executor)
+        except Exception as fault:
+            _last_words(node, executor)
+            return _report(argv, fault)
         finally:
             executor.shutdown()
             node.destroy_node()
@@ -122,7 +127,7 @@ def spin_node(factory: Callable[[], Node], args: Sequence[str] | None = None) ->
 
 
 def _start(factory: Callable[[], Node], argv: list[str]) -> Node:
-    """Return the node, or raise ValueError for a command line that rcl refuses."""
+    """Return the node, or raise ValueError for a command line that cannot be meant."""
     try:
         unknown = remove_ros_args(args=argv)[1:]
         if not unknown:
@@ -134,7 +139,11 @@ def _start(factory: Callable[[], Node], argv: list[str]) -> Node:
             f"unknown argument '{unknown[0]}'; parameters are given as "
             "--ros-args -p <name>:=<value> or --params-file <file>"
         )
-    return factory()
+    addressed = Addressed(argv)
+    node = factory()
+    for problem in addressed.unheard(node.get_name()):
+        node.get_logger().warning(problem)
+    return node
 
 
 def _drain(node: Node, executor: SingleThreadedExecutor) -> None:
@@ -147,8 +156,31 @@ def _drain(node: Node, executor: SingleThreadedExecutor) -> None:
         executor.spin_once(timeout_sec=left)
 
 
+def _last_words(node: Node, executor: SingleThreadedExecutor) -> None:
+    """Let a node whose callback has raised stop the robot and end its actions, if it still can."""
+    # The first fault is the one to tell of, and nothing may keep the process from ending.
+    with contextlib.suppress(Exception):
+        on_fault = getattr(node, "on_fault", None)
+        if on_fault is not None:
+            on_fault()
+    with contextlib.suppress(Exception):
+        _drain(node, executor)
+
+
+def _report(argv: list[str], fault: Exception) -> int:
+    traceback.print_exception(fault)
+    reason = " ".join(f"{type(fault).__name__}: {fault}".split())
+    print(
+        f"{_program(argv)}: ended by a fault in the program: {reason}", file=sys.stderr, flush=True
+    )
+    return EXIT_FAULT
+
+
+def _program(argv: list[str]) -> str:
+    return argv[0].rsplit("/", 1)[-1] if argv else "node"
+
+
 def _refuse(argv: list[str], error: Exception) -> int:
-    program = argv[0].rsplit("/", 1)[-1] if argv else "node"
     reason = " ".join(str(error).split())
-    print(f"{program}: cannot start: {reason}", file=sys.stderr, flush=True)
+    print(f"{_program(argv)}: cannot start: {reason}", file=sys.stderr, flush=True)
     return EXIT_REFUSED

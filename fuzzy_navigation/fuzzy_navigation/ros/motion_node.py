@@ -20,6 +20,7 @@ import numpy as np
 from geometry_msgs.msg import PoseStamped, Twist
 from nav_msgs.msg import OccupancyGrid
 from numpy.typing import NDArray
+from rclpy.duration import Duration
 from rclpy.node import Node
 from sensor_msgs.msg import Range
 
@@ -65,6 +66,8 @@ SILENCE: Final = 0.2
 REPORT_PERIOD: Final = 0.2
 #: Least time between two log lines on why the robot stands [s of wall time].
 LOG_PERIOD: Final = 1.0
+#: Longest wait for all to have heard the last command of a node that fails [s].
+ACKNOWLEDGEMENT: Final = 0.2
 #: Decimals that a float32 carries.
 DECIMALS: Final = 6
 
@@ -93,6 +96,7 @@ class MotionNode(Node):
         self._verdicts: dict[int, Callable[[Finish], None]] = {}
         self._counts: Counter[str] = Counter()
         self._diagnostics = Diagnostics(self, values=self._values, problem=self._problem)
+        self._settings.on_refusal = self._diagnostics.reject
         self._cmd_vel = self.create_publisher(Twist, names.CMD_VEL, qos.RELIABLE)
         self._mapper = MapperClient(self, self._on_perception)
         self._planner = PlannerClient(self, self._on_plan, self._on_plan_error)
@@ -109,6 +113,11 @@ class MotionNode(Node):
         """Make the robot stand and end the mission; called before the node is destroyed."""
         self._server.close()
         self._carry_out(self._mission.cancel(self._now(), "the motion node was stopped"))
+
+    def on_fault(self) -> None:
+        """Make the robot stand, whatever state this node is in; called when a callback raises."""
+        self._cmd_vel.publish(Twist())
+        self._cmd_vel.wait_for_all_acked(Duration(seconds=ACKNOWLEDGEMENT))
 
     # -- what comes -------------------------------------------------------------------------
 

@@ -61,6 +61,7 @@ class PlannerNode(Node):
         self._last_time = 0.0
         warm_up()  # before the first request, which would otherwise wait for the compiler
         self._diagnostics = Diagnostics(self, values=self._values, problem=self._problem)
+        self._settings.on_refusal = self._diagnostics.reject
         self._plan_publisher = self.create_publisher(Path, names.PLAN, qos.LATCHED)
         self.create_subscription(OccupancyGrid, names.PLANNING_MAP, self._on_map, qos.LATCHED)
         self.create_service(PlanPath, names.PLAN_PATH, self._on_plan_path)

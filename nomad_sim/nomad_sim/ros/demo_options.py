@@ -9,13 +9,12 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Final
-
-import yaml
+from typing import Final
 
 from fuzzy_map_building.parameter_schema import suggest
 from fuzzy_map_building.params import DEFAULT_PRESET, mapper_parameters
 from fuzzy_map_building.ros import names
+from fuzzy_map_building.ros.addressed import section_names
 from fuzzy_map_building.types import Pose2
 from fuzzy_navigation.params import motion_parameters, planner_parameters
 from nomad_sim.ground_truth import reachable
@@ -36,7 +35,6 @@ NODES: Final[Mapping[str, str]] = {
 }
 #: Simulated seconds a second: what two cores keep up with in lockstep.
 DEFAULT_RATE: Final = 8.0
-MAX_FILE_SIZE: Final = 1_000_000
 
 _EPILOG: Final = """\
 exit codes:
@@ -228,21 +226,13 @@ def _moved(world: World, start: list[float] | None, goal: list[float] | None) ->
 def _check_parameter_file(path: Path) -> None:
     """Refuse a file that ROS would refuse later, or would silently not use."""
     try:
-        with path.open("rb") as file:
-            content: Any = yaml.safe_load(file.read(MAX_FILE_SIZE))
-    except OSError as error:
-        raise ValueError(f"--params-file {path}: {error.strerror}") from error
-    except yaml.YAMLError as error:
-        reason = " ".join(str(error).split())
-        raise ValueError(f"--params-file {path} is no YAML: {reason}") from error
-    if not isinstance(content, dict) or not content:
-        raise ValueError(f"--params-file {path}: a mapping of node names to parameters expected")
+        sections = section_names(path)
+    except ValueError as error:
+        raise ValueError(f"--params-file {error}") from error
+    if not sections:
+        raise ValueError(f"--params-file {path} is empty")
     known = set(NODES.values())
-    for key, value in content.items():
-        node = str(key).rsplit("/", 1)[-1]
+    for name in sections:
+        node = name.rsplit("/", 1)[-1]
         if node not in known and "*" not in node:
-            raise ValueError(f"--params-file {path}: unknown node '{key}'{suggest(node, known)}")
-        if not (isinstance(value, dict) and isinstance(value.get("ros__parameters"), dict)):
-            raise ValueError(
-                f"--params-file {path}: '{key}' needs the key 'ros__parameters' and its parameters"
-            )
+            raise ValueError(f"--params-file {path}: unknown node '{node}'{suggest(node, known)}")

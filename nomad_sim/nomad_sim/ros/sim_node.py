@@ -83,6 +83,7 @@ class SimNode(Node):
         self._truth_at = 0
 
         self._diagnostics = Diagnostics(self, values=self._values, problem=self._problem)
+        self._settings.on_refusal = self._diagnostics.reject
         self._sensors = SensorPublishers(self, values)
         self._truth_publisher = self.create_publisher(
             OccupancyGrid, names.GROUND_TRUTH_MAP, qos.LATCHED

@@ -96,7 +96,7 @@ def test_what_cannot_be_is_refused(
         ("fuzzy_maper: {ros__parameters: {}}", "unknown node.*did you mean 'fuzzy_mapper'"),
         ("a: [", "is no YAML"),
         ("- 1", "mapping of node names"),
-        ("", "mapping of node names"),
+        ("", "is empty"),
         ("fuzzy_mapper: {mode: continuous}", "needs the key 'ros__parameters'"),
     ],
 )

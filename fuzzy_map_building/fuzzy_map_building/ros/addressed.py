@@ -1,0 +1,146 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""Which nodes a command line and its parameter files speak to.
+
+A node takes from a parameter file the sections that bear its name and says nothing of the
+others: one for ``fuzzy_maper`` would leave it on its defaults. So names that are nearly
+those of a node of this project are refused, and a node that no section of a file speaks to
+says so. Sections for nodes of others, and with wildcards, are nobody's mistake.
+"""
+
+from __future__ import annotations
+
+import difflib
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import yaml
+
+from fuzzy_map_building.ros import names
+
+__all__ = ["Addressed", "section_names"]
+
+#: Longest parameter file that is read [bytes].
+MAX_FILE_SIZE: Final = 1_000_000
+#: Likeness from which on a name is taken for a misspelt one, 1 for the same.
+_ALIKE: Final = 0.75
+_KEY: Final = "ros__parameters"
+_KNOWN: Final = (names.MAPPER_NODE, names.PLANNER_NODE, names.MOTION_NODE, names.SIMULATOR_NODE)
+
+
+def section_names(path: str | Path) -> list[str]:
+    """Return the nodes that a parameter file has sections for, wildcards included.
+
+    Returns
+    -------
+    list of str
+        Names with their namespaces, such as ``/robot/fuzzy_mapper``; none of an empty file.
+
+    Raises
+    ------
+    ValueError
+        If it cannot be read, is no YAML, or is no mapping of node names to parameters.
+    """
+    try:
+        with Path(path).open("rb") as file:
+            text = file.read(MAX_FILE_SIZE + 1)
+        if len(text) > MAX_FILE_SIZE:
+            raise ValueError(f"{path}: longer than {MAX_FILE_SIZE} bytes is no parameter file")
+        content: Any = yaml.safe_load(text)
+        if content is None:
+            return []
+        if not isinstance(content, dict):
+            raise ValueError(f"{path}: a mapping of node names to parameters expected")
+        return list(_sections(content, "", str(path)))
+    except OSError as error:
+        raise ValueError(f"{path}: {error.strerror}") from error
+    except yaml.YAMLError as error:
+        raise ValueError(f"{path} is no YAML: {' '.join(str(error).split())}") from error
+    except RecursionError as error:
+        raise ValueError(f"{path} is nested too deeply") from error
+
+
+def _sections(content: Mapping[Any, Any], above: str, path: str) -> Iterator[str]:
+    """Yield the names of the mapping's nodes; namespaces may be mappings of their own."""
+    for key, value in content.items():
+        name = f"{above}/{str(key).strip('/')}"
+        if not isinstance(value, dict):
+            raise ValueError(f"{path}: '{key}' needs the key '{_KEY}' and its parameters")
+        if _KEY in value:
+            if not isinstance(value[_KEY], dict):
+                raise ValueError(f"{path}: '{_KEY}' of '{key}' must hold parameters by name")
+            yield name
+        else:
+            yield from _sections(value, name, path)
+
+
+@dataclass(frozen=True)
+class _Argument:
+    """A part of the command line that speaks to nodes by name."""
+
+    text: str
+    nodes: Sequence[str]
+
+
+class Addressed:
+    """The nodes that a command line speaks to.
+
+    Parameters
+    ----------
+    argv : sequence of str
+        The command line; one that rcl has taken.
+
+    Raises
+    ------
+    ValueError
+        For a name that is nearly that of a node of this project.
+    """
+
+    def __init__(self, argv: Sequence[str]) -> None:
+        self._files: list[_Argument] = []
+        rules: list[_Argument] = []
+        renamed: list[str] = []
+        for flag, text in itertools.pairwise(argv):
+            if flag == "--params-file":
+                self._files.append(_Argument(f"--params-file {text}", section_names(text)))
+            elif flag in ("-p", "--param", "-r", "--remap"):
+                target, _, value = text.partition(":=")
+                node, colon, what = target.rpartition(":")
+                if colon and not what.startswith("//"):  # rostopic://name is of no node
+                    rules.append(_Argument(f"{flag} {text}", [node]))
+                if (what or target) in ("__node", "__name"):
+                    renamed.append(value)
+        for argument in (*self._files, *rules):
+            for name in argument.nodes:
+                _check(argument.text, name, (*_KNOWN, *renamed))
+
+    def unheard(self, node: str) -> list[str]:
+        """Return a sentence for each parameter file that has no section for a node.
+
+        Parameters
+        ----------
+        node : str
+            Name of the node, without its namespace.
+        """
+        return [
+            f"{file.text} has no section for '{node}', only for "
+            f"{', '.join(map(repr, file.nodes)) or 'none'}: nothing of it is used here"
+            for file in self._files
+            if not any(_last(name) in (node, "*", "**", *_KNOWN) for name in file.nodes)
+        ]
+
+
+def _last(name: str) -> str:
+    return name.rsplit("/", 1)[-1]
+
+
+def _check(text: str, name: str, known: Sequence[str]) -> None:
+    node = _last(name)
+    # A name that holds a known one is a second node's, such as fuzzy_mapper_left.
+    if "*" in node or any(name in node for name in known):
+        return
+    for near in difflib.get_close_matches(node, known, n=1, cutoff=_ALIKE):
+        raise ValueError(f"{text}: there is no node '{node}'; did you mean '{near}'?")

@@ -1,0 +1,130 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""Misspelt names of nodes in parameter files and rules, which ROS passes over in silence."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from fuzzy_map_building.ros.addressed import MAX_FILE_SIZE, Addressed, section_names
+from ros.harness import NodeProcess
+
+PARAMETERS = "{ros__parameters: {mode: continuous}}"
+
+
+@pytest.fixture
+def write(tmp_path: Path) -> Callable[[str], str]:
+    def write(content: str) -> str:
+        file = tmp_path / "params.yaml"
+        file.write_text(content)
+        return str(file)
+
+    return write
+
+
+def addressed(*arguments: str) -> Addressed:
+    return Addressed(["mapper", "--ros-args", *arguments])
+
+
+@pytest.mark.parametrize(
+    ("name", "meant"),
+    [
+        ("fuzzy_maper", "fuzzy_mapper"),
+        ("/fuzzymapper", "fuzzy_mapper"),
+        ("/robot/fuzzy_planer", "fuzzy_planner"),
+        ("fuzzy_moton", "fuzzy_motion"),
+        ("nomad_sym", "nomad_sim"),
+        ("Fuzzy_Mapper", "fuzzy_mapper"),
+    ],
+)
+def test_a_name_that_is_nearly_one_of_ours_is_refused(
+    write: Callable[[str], str], name: str, meant: str
+) -> None:
+    message = f"no node '{name.rpartition('/')[2]}'; did you mean '{meant}'"
+    path = write(f"fuzzy_mapper: {PARAMETERS}\n{name}: {PARAMETERS}")
+    with pytest.raises(ValueError, match=rf"--params-file {path}: there is {message}"):
+        addressed("--params-file", path)
+    for rule in (["-p", f"{name}:mode:=continuous"], ["-r", f"{name}:pose:=/other"]):
+        with pytest.raises(ValueError, match=message):
+            addressed(*rule)
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        f"fuzzy_mapper: {PARAMETERS}",
+        f"/**: {PARAMETERS}",
+        f"/robot/*: {PARAMETERS}",
+        f"robot: {{fuzzy_mapper: {PARAMETERS}}}",
+        # Of other nodes, ours or not, and of second ones of ours.
+        f"fuzzy_planner: {PARAMETERS}\nnomad_sim: {PARAMETERS}",
+        f"fuzzy_mapper: {PARAMETERS}\nplanner_server: {PARAMETERS}\namcl: {PARAMETERS}",
+        f"fuzzy_mapper: {PARAMETERS}\nfuzzy_mapper_left: {PARAMETERS}",
+    ],
+)
+def test_files_for_several_nodes_and_wildcards_are_nobodys_mistake(
+    write: Callable[[str], str], content: str
+) -> None:
+    for node in ("fuzzy_mapper", "fuzzy_planner"):
+        assert addressed("--params-file", write(content)).unheard(node) == []
+
+
+def test_a_node_under_another_name_is_known_by_it(write: Callable[[str], str]) -> None:
+    path = write(f"mapster: {PARAMETERS}\nfuzzy_maps: {PARAMETERS}")
+    with pytest.raises(ValueError, match="no node 'fuzzy_maps'"):
+        addressed("--params-file", path, "-r", "__node:=mapster")
+    renamed = addressed("--params-file", path, "-r", "fuzzy_mapper:__node:=fuzzy_maps")
+    assert renamed.unheard("fuzzy_maps") == []
+    assert "only for '/mapster', '/fuzzy_maps'" in renamed.unheard("fuzzy_mapper")[0]
+
+
+def test_rules_that_name_no_node_are_left_alone() -> None:
+    addressed("-p", "mode:=continuous", "-r", "pose:=/fuzzy_maper:x", "-r", "rostopic://pose:=/a")
+    addressed("-p", "fuzzy_mapper:preset:=a:b", "-r", "__ns:=/fuzzy_maper")
+
+
+def test_names_with_their_namespaces(write: Callable[[str], str]) -> None:
+    content = f"/**: {PARAMETERS}\na: {{b: {{c: {PARAMETERS}}}, /d: {PARAMETERS}}}"
+    assert section_names(write(content)) == ["/**", "/a/b/c", "/a/d"]
+    assert section_names(write("# nothing")) == []
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("a: [", "is no YAML"),
+        ("- 1", "mapping of node names"),
+        ("a: 1", "'a' needs the key 'ros__parameters'"),
+        ("a: {ros__parameters: 1}", "must hold parameters by name"),
+        ("a: " + "{b: " * 3000, "nested too deeply"),
+        ("# " + MAX_FILE_SIZE * "x", "longer than"),
+    ],
+)
+def test_what_is_no_parameter_file(
+    write: Callable[[str], str], content: str, message: str
+) -> None:
+    with pytest.raises(ValueError, match=message):
+        section_names(write(content))
+
+
+def test_a_node_refuses_a_file_with_a_misspelt_node(
+    start_node: Callable[..., NodeProcess], write: Callable[[str], str]
+) -> None:
+    path = write(f"fuzzy_maper: {PARAMETERS}")
+    process = start_node("mapper", arguments=["--ros-args", "--params-file", path])
+    assert process.wait() == 2
+    assert process.output() == (
+        f"mapper: cannot start: --params-file {path}: there is no node 'fuzzy_maper'; "
+        "did you mean 'fuzzy_mapper'?\n"
+    )
+
+
+def test_a_node_that_no_section_of_a_file_speaks_to_says_so(
+    start_node: Callable[..., NodeProcess], write: Callable[[str], str]
+) -> None:
+    path = write(f"mapper: {PARAMETERS}")
+    process = start_node("planner", arguments=["--ros-args", "--params-file", path])
+    process.wait_for_output(f"{path} has no section for 'fuzzy_planner', only for '/mapper'")
