@@ -15,7 +15,7 @@ from numbers import Integral, Real
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["MAX_CELLS", "GridGeometry", "Window"]
+__all__ = ["MAX_CELLS", "GridGeometry", "Window", "box_cells"]
 
 #: Largest grid that is accepted [cells]: bounds every allocation that a request can cause.
 MAX_CELLS = 64_000_000
@@ -317,3 +317,34 @@ class GridGeometry:
             np.clip(first, 0, counts).astype(np.int64),
             np.clip(last, 0, counts).astype(np.int64),
         )
+
+
+def box_cells(
+    first: NDArray[np.int64], last: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+    """Return the cells of many boxes, one box after the other, each row by row.
+
+    Parameters
+    ----------
+    first, last : ndarray of int64, shape (n, 2)
+        Rows and columns [first, last) of each box.
+
+    Returns
+    -------
+    box, row, column : ndarray of int64, shape (cells of all boxes,)
+        Number of the box that the cell belongs to, and the cell.
+
+    Examples
+    --------
+    >>> [v.tolist() for v in box_cells(np.array([[2, 5]]), np.array([[4, 7]]))]
+    [[0, 0, 0, 0], [2, 2, 3, 3], [5, 6, 5, 6]]
+    """
+    size = last - first
+    cells = size[:, 0] * size[:, 1]
+    box = np.repeat(np.arange(len(cells)), cells)
+    place = np.arange(len(box)) - np.repeat(np.cumsum(cells) - cells, cells)
+    columns = np.repeat(size[:, 1], cells)
+    row = place // columns
+    column = place - row * columns + np.repeat(first[:, 1], cells)
+    row += np.repeat(first[:, 0], cells)
+    return box, row, column

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy_map_building.sensor_params import InfraredParameters
-from fuzzy_map_building.types import RangeReading
+from fuzzy_map_building.types import InfraredReading
 
 __all__ = ["InfraredPacket"]
 
@@ -34,6 +34,8 @@ class InfraredPacket:
         Direction of the ray [rad] in ``map``.
     hit : ndarray of float64, shape (n,)
         Distance [m] of the surface that was seen; ``inf``: none was.
+    limit : ndarray of float64, shape (n,)
+        Distance [m] beyond which the ray is not believed to be free; ``inf``: none.
     number : ndarray of int64, shape (n,)
         Place of the reading in the sequence that it came in.
     rejected : dict of str to int
@@ -43,18 +45,19 @@ class InfraredPacket:
     centre: FloatArray
     direction: FloatArray
     hit: FloatArray
+    limit: FloatArray
     number: NDArray[np.int64]
     rejected: dict[str, int]
 
     @classmethod
     def from_readings(
-        cls, readings: Sequence[RangeReading], infrared: InfraredParameters
+        cls, readings: Sequence[InfraredReading], infrared: InfraredParameters
     ) -> InfraredPacket:
         """Place the rays of some readings and decide what each of them saw."""
         table = np.array(
-            [(r.pose.x, r.pose.y, r.pose.theta + r.bearing, r.range) for r in readings],
+            [(r.pose.x, r.pose.y, r.pose.theta + r.bearing, r.range, r.limit) for r in readings],
             dtype=np.float64,
-        ).reshape(-1, 4)
+        ).reshape(-1, 5)
         ranges = np.where(table[:, 3] == -np.inf, infrared.min_range, table[:, 3])
         faulty = np.isnan(ranges)
         counts = (ranges >= infrared.min_range) & (ranges <= infrared.max_range)
@@ -65,6 +68,7 @@ class InfraredPacket:
             table[number, :2],
             table[number, 2],
             ranges[number] + infrared.mount_radius,
+            table[number, 4] + infrared.mount_radius,
             number,
             {reason: count for reason, count in refused.items() if count},
         )
@@ -72,6 +76,17 @@ class InfraredPacket:
     def __len__(self) -> int:
         """Return the number of readings that count."""
         return len(self.hit)
+
+    def select(self, chosen: NDArray[np.bool_]) -> InfraredPacket:
+        """Return the packet of the readings where `chosen`, shape (n,), is True."""
+        return InfraredPacket(
+            self.centre[chosen],
+            self.direction[chosen],
+            self.hit[chosen],
+            self.limit[chosen],
+            self.number[chosen],
+            dict(self.rejected),
+        )
 
     def hit_points(self) -> FloatArray:
         """Return where surfaces were seen (x, y) [m], shape (m, 2)."""

@@ -5,18 +5,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy_map_building.evidence.fuzzy import FuzzyFusion
 from fuzzy_map_building.evidence.protocols import EvidenceSource, FusionRule, LocalEvidence
+from fuzzy_map_building.evidence.union import united_evidence
 from fuzzy_map_building.grid import GridGeometry, Window
+from fuzzy_map_building.infrared_model import InfraredModel
 from fuzzy_map_building.map_state import MapState
 from fuzzy_map_building.params import MapperParameters
+from fuzzy_map_building.sonar_guard import cut_rays
 from fuzzy_map_building.sonar_model import SonarModel
-from fuzzy_map_building.types import RangeReading, SonarReading
+from fuzzy_map_building.types import InfraredReading, RangeReading, SonarReading
 
 __all__ = ["FuzzyMapper", "UpdateReport"]
 
@@ -30,17 +33,24 @@ class UpdateReport:
     Attributes
     ----------
     accepted : int
-        Readings that gave evidence; 0: the map is as it was.
+        Sonar readings that gave evidence; 0: the map is as it was.
     rejected : dict of str to int
         Readings that did not, by reason: ``nan``, ``out_of_range``, ``lost_echo``,
         ``outside_map``, ``no_model`` (a kind of reading that no sensor model takes).
     window : Window
         Cells that may have changed.
+    infrared_accepted : int
+        Infrared readings that gave evidence.
+    infrared_rejected : dict of str to int
+        Infrared readings that did not, by reason: ``nan``, ``out_of_range``,
+        ``outside_map``, ``no_sonar`` (no sonar reading of the packet could be used).
     """
 
     accepted: int
     rejected: dict[str, int]
     window: Window
+    infrared_accepted: int = 0
+    infrared_rejected: dict[str, int] = field(default_factory=dict)
 
 
 class FuzzyMapper:
@@ -68,7 +78,10 @@ class FuzzyMapper:
         p = parameters if parameters is not None else MapperParameters()
         self._geometry = geometry
         self._parameters = p
-        self._sonar: EvidenceSource = SonarModel(p.sonar, p.evidence)
+        self._sonar: EvidenceSource[SonarReading] = SonarModel(p.sonar, p.evidence, p.consistency)
+        self._infrared: EvidenceSource[InfraredReading] = InfraredModel(
+            p.infrared, p.infrared_evidence
+        )
         self._rule: FusionRule = FuzzyFusion(p.evidence, p.fusion)
         self.reset()
 
@@ -129,12 +142,14 @@ class FuzzyMapper:
         """Fuse one packet of readings: processing and fusion, (1)-(13).
 
         The packet is one perception: its readings are united, then enter the map at once.
-        A packet without a usable reading changes nothing and counts as no perception.
+        A packet without a usable sonar reading changes nothing and counts as no perception:
+        infrareds, which look through glass, only add to what the sonars say.
 
         Parameters
         ----------
         readings : sequence of RangeReading
-            Each placed at the pose that it was taken from, in any order.
+            Sonar readings and, where ``infrared_evidence`` is enabled, infrared readings, each
+            placed at the pose that it was taken from, in any order.
 
         Returns
         -------
@@ -153,14 +168,38 @@ class FuzzyMapper:
                     f"RangeReading; the map was not changed"
                 )
         sonar = [reading for reading in readings if isinstance(reading, SonarReading)]
+        infrared = self._infrared_of(readings)
         local = self._sonar.evidence(sonar, self._geometry)
         rejected = dict(local.rejected)
-        if len(sonar) < len(readings):
-            rejected["no_model"] = len(readings) - len(sonar)
+        if len(sonar) + len(infrared) < len(readings):
+            rejected["no_model"] = len(readings) - len(sonar) - len(infrared)
         if local.accepted == 0:
-            return UpdateReport(0, rejected, local.window)
-        self._fuse(local)
-        return UpdateReport(local.accepted, rejected, local.window)
+            useless = {"no_sonar": len(infrared)} if infrared else {}
+            return UpdateReport(0, rejected, local.window, 0, useless)
+        if not infrared:
+            self._fuse(local)
+            return UpdateReport(local.accepted, rejected, local.window)
+        rays = self._infrared.evidence(self._guarded(sonar, infrared), self._geometry)
+        united = united_evidence(local, rays, self._parameters.evidence.dombi_lambda)
+        self._fuse(united)
+        return UpdateReport(local.accepted, rejected, united.window, rays.accepted, rays.rejected)
+
+    def _infrared_of(self, readings: Sequence[RangeReading]) -> list[InfraredReading]:
+        """Return the infrared readings of a packet, if they are evidence."""
+        if not self._parameters.infrared_evidence.enabled:
+            return []
+        return [reading for reading in readings if isinstance(reading, InfraredReading)]
+
+    def _guarded(
+        self, sonar: Sequence[SonarReading], infrared: Sequence[InfraredReading]
+    ) -> Sequence[InfraredReading]:
+        """Return the infrared readings as far as the sonars let them be believed."""
+        p = self._parameters
+        if not p.sonar_guard.enabled:
+            return infrared
+        # The sonars sit on the body's rim: its radius is theirs.
+        reach, radius = p.sonar_guard.perception_reach, p.sonar.mount_radius
+        return cut_rays(sonar, infrared, p.sonar, p.infrared, p.sonar_guard, reach, radius)
 
     def _fuse(self, local: LocalEvidence) -> None:
         """Let evidence enter the map, only in the cells of which it speaks."""

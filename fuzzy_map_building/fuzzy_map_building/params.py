@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The parameters of map building, all groups together.
 
-The groups `sonar`, `evidence` and `fusion` are declared in `sensor_params`, the others here.
+Sensors are declared in `sensor_params`, evidence and its fusion in `evidence_params`, the
+other groups here.
 Defaults are those of the navigation experiments of Oriolo, Ulivi and Vendittelli
 (1998), section V, for a NOMAD 200. `PRESETS` names other sets. A node, a parameter
 file or a study starts from a preset and overrides single parameters by dotted name.
@@ -15,6 +16,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from fuzzy_map_building.evidence_params import (
+    ConsistencyParameters,
+    EvidenceParameters,
+    FusionParameters,
+    InfraredEvidenceParameters,
+)
 from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.parameter_schema import (
     ParameterError,
@@ -25,8 +32,8 @@ from fuzzy_map_building.parameter_schema import (
 )
 from fuzzy_map_building.presets import DEFAULT_PRESET, PRESETS
 from fuzzy_map_building.sensor_params import (
-    EvidenceParameters,
-    FusionParameters,
+    InfraredParameters,
+    SonarGuardParameters,
     SonarParameters,
 )
 
@@ -34,10 +41,14 @@ __all__ = [
     "DEFAULT_PRESET",
     "PRESETS",
     "AreaParameters",
+    "ConsistencyParameters",
     "EvidenceParameters",
     "FusionParameters",
+    "InfraredEvidenceParameters",
+    "InfraredParameters",
     "MapperParameters",
     "PerceptionParameters",
+    "SonarGuardParameters",
     "SonarParameters",
     "TurretParameters",
     "mapper_parameters",
@@ -200,7 +211,13 @@ class MapperParameters:
         source="Oriolo 1998, section III-A",
     )
     sonar: SonarParameters = field(default_factory=SonarParameters)
+    infrared: InfraredParameters = field(default_factory=InfraredParameters)
     evidence: EvidenceParameters = field(default_factory=EvidenceParameters)
+    consistency: ConsistencyParameters = field(default_factory=ConsistencyParameters)
+    infrared_evidence: InfraredEvidenceParameters = field(
+        default_factory=InfraredEvidenceParameters
+    )
+    sonar_guard: SonarGuardParameters = field(default_factory=SonarGuardParameters)
     fusion: FusionParameters = field(default_factory=FusionParameters)
     area: AreaParameters = field(default_factory=AreaParameters)
     turret: TurretParameters = field(default_factory=TurretParameters)

@@ -26,6 +26,20 @@ PRESETS: dict[str, dict[str, Any]] = {
         "fusion.aggregation": "mean",
         "fusion.max_count": 3,
     },
+    # The rules beyond the paper, for navigating: echoes that the packet agrees on, infrareds
+    # beside sonars, sonars as a guard where infrared light sees nothing.
+    "consistent": {
+        "evidence.k_empty": 0.4,
+        "evidence.k_occupied": 0.4,
+        "evidence.range_margin": 0.1,
+        "evidence.visibility_radius": 1.5,
+        "evidence.dombi_lambda": 0.4,
+        "consistency.enabled": True,
+        "infrared_evidence.enabled": True,
+        "sonar_guard.enabled": True,
+        "fusion.aggregation": "mean",
+        "fusion.max_count": 3,
+    },
     # Fig. 8: 43 perceptions of a corridor. Not fit for navigating: k_E is so small that one
     # perception never opens the beta-cut.
     "map_building": {

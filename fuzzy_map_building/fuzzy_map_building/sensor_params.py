@@ -1,6 +1,6 @@
 # Copyright 2026 The fuzzy navigation maintainers
 # SPDX-License-Identifier: Apache-2.0
-"""Parameters of the sensors: what they are, what their readings say, how that is fused."""
+"""Parameters of the sensors: where they sit, what they measure, how one guards the other."""
 
 from __future__ import annotations
 
@@ -9,13 +9,7 @@ from dataclasses import dataclass
 
 from fuzzy_map_building.parameter_schema import ParameterError, parameter, validate
 
-__all__ = [
-    "EvidenceParameters",
-    "FusionParameters",
-    "InfraredParameters",
-    "SonarGuardParameters",
-    "SonarParameters",
-]
+__all__ = ["InfraredParameters", "SonarGuardParameters", "SonarParameters"]
 
 _PAPER = "Oriolo 1998"
 
@@ -241,82 +235,6 @@ class SonarGuardParameters:
         minimum=0.0,
         maximum=10.0,
         source="measured",
-    )
-
-    def __post_init__(self) -> None:
-        validate(self)
-
-
-@dataclass(frozen=True)
-class EvidenceParameters:
-    """What one reading says of a cell, equations (1)-(5)."""
-
-    k_empty: float = parameter(
-        0.4,
-        doc="k_E: greatest belief of empty that one reading gives",
-        minimum=0.0,
-        maximum=1.0,
-        source=f"{_PAPER}, equation (2) and section V",
-    )
-    k_occupied: float = parameter(
-        0.4,
-        doc="k_O: greatest belief of occupied that one reading gives",
-        minimum=0.0,
-        maximum=1.0,
-        source=f"{_PAPER}, equation (3) and section V",
-    )
-    range_margin: float = parameter(
-        0.15,
-        doc="Delta r: half width of the band around the range that counts as its arc",
-        unit="m",
-        minimum=1e-3,
-        maximum=10.0,
-        source=f"{_PAPER}, equations (2), (3) and section V",
-    )
-    visibility_radius: float = parameter(
-        1.5,
-        doc="rho_v: farther than this from the sensor a reading says nothing",
-        unit="m",
-        minimum=0.01,
-        maximum=100.0,
-        source=f"{_PAPER}, sections III-B and V",
-    )
-    dombi_lambda: float = parameter(
-        0.4,
-        doc="lambda of the Dombi union; the smaller, the more concordant readings add up",
-        minimum=0.05,
-        maximum=20.0,
-        source=f"{_PAPER}, equation (18) and section V",
-    )
-
-    def __post_init__(self) -> None:
-        validate(self)
-
-
-@dataclass(frozen=True)
-class FusionParameters:
-    """How the evidence of a packet enters the map, equations (6)-(10)."""
-
-    rule: str = parameter(
-        "fuzzy",
-        doc="theory by which evidence is fused into the map",
-        choices=("fuzzy",),
-        source=f"{_PAPER}, section III-C",
-    )
-    aggregation: str = parameter(
-        "mean",
-        doc="weighted mean over the perceptions ('mean': a map that follows changes), Dombi "
-        "union ('dombi') or greatest value ('max'), both for a world that stays as it is",
-        choices=("mean", "dombi", "max"),
-        source=f"{_PAPER}, equations (6)-(9); 'max': Lachekhab et al.",
-    )
-    max_count: int = parameter(
-        3,
-        doc="N_max: the weighted mean counts no more perceptions of a cell than this; the "
-        "smaller, the sooner the map follows a change",
-        minimum=1,
-        maximum=1_000_000,
-        source=f"{_PAPER}, equation (10) and section V",
     )
 
     def __post_init__(self) -> None:

@@ -12,6 +12,7 @@ poses of the robot may be compared.
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 
 import numpy as np
@@ -23,9 +24,9 @@ from fuzzy_map_building.sensor_params import (
     SonarGuardParameters,
     SonarParameters,
 )
-from fuzzy_map_building.types import RangeReading
+from fuzzy_map_building.types import InfraredReading, SonarReading
 
-__all__ = ["guard_points", "ray_limits"]
+__all__ = ["cut_rays", "guard_points"]
 
 FloatArray = NDArray[np.float64]
 
@@ -34,8 +35,8 @@ _ROUNDING = 1e-9
 
 
 def guard_points(
-    sonar: Sequence[RangeReading],
-    infrared: Sequence[RangeReading],
+    sonar: Sequence[SonarReading],
+    infrared: Sequence[InfraredReading],
     sonar_p: SonarParameters,
     infrared_p: InfraredParameters,
     guard: SonarGuardParameters,
@@ -50,7 +51,8 @@ def guard_points(
 
     Parameters
     ----------
-    sonar, infrared : sequence of RangeReading
+    sonar : sequence of SonarReading
+    infrared : sequence of InfraredReading
         Readings of either kind, each placed at its own pose.
     sonar_p, infrared_p : SonarParameters, InfraredParameters
         The two rings.
@@ -75,16 +77,16 @@ def guard_points(
     return points
 
 
-def ray_limits(
-    sonar: Sequence[RangeReading],
-    infrared: Sequence[RangeReading],
+def cut_rays(
+    sonar: Sequence[SonarReading],
+    infrared: Sequence[InfraredReading],
     sonar_p: SonarParameters,
     infrared_p: InfraredParameters,
     guard: SonarGuardParameters,
     reach: float,
     robot_radius: float,
-) -> FloatArray:
-    """Return how far along each infrared ray the short sonar returns let one believe.
+) -> list[InfraredReading]:
+    """Return infrared readings believed only as far as the short sonar returns allow.
 
     Parameters
     ----------
@@ -93,24 +95,28 @@ def ray_limits(
 
     Returns
     -------
-    ndarray of float64, shape (number of infrared readings,)
-        Distance [m] from each sensor's face, ``guard.margin`` before the nearest return
-        without explanation that lies within ``guard.angle`` of the ray; ``inf`` without one.
+    list of InfraredReading
+        The readings in their order. The `limit` of each is at most the distance from the
+        sensor's face to ``guard.margin`` before the nearest return without explanation that
+        lies within ``guard.angle`` of the ray.
     """
-    limits = np.full(len(infrared), np.inf)
+    cut = list(infrared)
     seen = InfraredPacket.from_readings(infrared, infrared_p)
     centre, direction, distance = _unexplained(sonar, seen, sonar_p, guard, reach + robot_radius)
-    if len(distance):
-        rays = np.column_stack((np.cos(direction), np.sin(direction)))
-        to, away = _polar(centre + distance[:, None] * rays, seen.centre)
-        beside = _between(to, seen.direction[:, None]) <= guard.angle + _ROUNDING
-        nearest = np.where(beside, away, np.inf).min(axis=1)
-        limits[seen.number] = nearest - guard.margin - infrared_p.mount_radius
-    return limits
+    if not len(distance):
+        return cut
+    rays = np.column_stack((np.cos(direction), np.sin(direction)))
+    to, away = _polar(centre + distance[:, None] * rays, seen.centre)
+    beside = _between(to, seen.direction[:, None]) <= guard.angle + _ROUNDING
+    limits = np.where(beside, away, np.inf).min(axis=1) - guard.margin - infrared_p.mount_radius
+    for number, limit in zip(seen.number.tolist(), limits.tolist(), strict=True):
+        if limit < cut[number].limit:
+            cut[number] = dataclasses.replace(cut[number], limit=limit)
+    return cut
 
 
 def _unexplained(
-    sonar: Sequence[RangeReading],
+    sonar: Sequence[SonarReading],
     seen: InfraredPacket,
     sonar_p: SonarParameters,
     guard: SonarGuardParameters,

@@ -14,10 +14,15 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fuzzy_map_building.cone_consistency import ConeConsistency
 from fuzzy_map_building.evidence.protocols import LocalEvidence
 from fuzzy_map_building.fuzzy_sets import dombi_t, dombi_t_inverse
-from fuzzy_map_building.grid import GridGeometry, Window
-from fuzzy_map_building.params import EvidenceParameters, SonarParameters
+from fuzzy_map_building.grid import GridGeometry, Window, box_cells
+from fuzzy_map_building.params import (
+    ConsistencyParameters,
+    EvidenceParameters,
+    SonarParameters,
+)
 from fuzzy_map_building.sonar_packet import SonarPacket
 from fuzzy_map_building.types import RangeReading
 
@@ -102,11 +107,19 @@ class SonarModel:
         The sonars and where they sit.
     evidence : EvidenceParameters
         What their readings say.
+    consistency : ConsistencyParameters, optional
+        Which part of an arc the other readings leave; none given: all of it.
     """
 
-    def __init__(self, sonar: SonarParameters, evidence: EvidenceParameters) -> None:
+    def __init__(
+        self,
+        sonar: SonarParameters,
+        evidence: EvidenceParameters,
+        consistency: ConsistencyParameters | None = None,
+    ) -> None:
         self._sonar = sonar
         self._evidence = evidence
+        self._consistency = consistency if consistency and consistency.enabled else None
         factor = _wave_number_radius(sonar)
         # m(theta) is D within the cone, and only the main lobe of D is used (section III-A).
         lobe = math.asin(_FIRST_ZERO / factor) if factor > _FIRST_ZERO else 0.5 * math.pi
@@ -132,6 +145,7 @@ class SonarModel:
             ``outside_map`` (no part of the cone's box lies in the grid).
         """
         packet = SonarPacket.from_readings(readings, self._sonar)
+        cones = self._agreement(packet)
         low, high = self._boxes(packet)
         first, last = geometry.boxes(low, high)
         inside: NDArray[np.bool_] = np.all(last > first, axis=1)
@@ -139,6 +153,7 @@ class SonarModel:
         if not inside.all():
             rejected["outside_map"] = int((~inside).sum())
             packet, first, last = packet.select(inside), first[inside], last[inside]
+            cones = cones.select(inside) if cones is not None else None
         if len(packet) == 0:
             nothing = np.zeros((0, 0))
             return LocalEvidence(Window(0, 0, 0, 0), nothing, nothing, 0, rejected)
@@ -149,11 +164,21 @@ class SonarModel:
         lam = self._evidence.dombi_lambda
         cells = window.shape[0] * window.shape[1]
         sums = np.zeros((2, cells))
-        for cell, empty, occupied in self._cones(packet, first, last, window, geometry):
+        for cell, empty, occupied in self._cones(packet, cones, first, last, window, geometry):
             sums[0] += np.bincount(cell, dombi_t(empty, lam), cells)
             sums[1] += np.bincount(cell, dombi_t(occupied, lam), cells)
         empty, occupied = dombi_t_inverse(sums, lam).reshape(2, *window.shape)
         return LocalEvidence(window, empty, occupied, len(packet), rejected)
+
+    def _agreement(self, packet: SonarPacket) -> ConeConsistency | None:
+        if self._consistency is None:
+            return None
+        half = math.asin(self._sin_half)
+        return ConeConsistency.of_packet(packet, half, self._modulation, self._consistency)
+
+    def _modulation(self, theta: FloatArray) -> FloatArray:
+        """Return D of angles from the axis [rad] within the cone, equation (1)."""
+        return _lobe(self._quarter_factor_squared * np.sin(theta) ** 2)
 
     def _boxes(self, packet: SonarPacket) -> tuple[FloatArray, FloatArray]:
         """Return the corners (x, y) [m], shape (n, 2), of the boxes around the cones."""
@@ -174,6 +199,7 @@ class SonarModel:
     def _cones(
         self,
         packet: SonarPacket,
+        cones: ConeConsistency | None,
         first: IntArray,
         last: IntArray,
         window: Window,
@@ -184,31 +210,31 @@ class SonarModel:
         passes = np.cumsum(size[:, 0] * size[:, 1]) // _CELLS_A_PASS
         for number in np.unique(passes):
             chosen: NDArray[np.bool_] = passes == number
-            yield self._judge(packet.select(chosen), first[chosen], size[chosen], window, geometry)
+            yield self._judge(
+                packet.select(chosen),
+                cones.select(chosen) if cones is not None else None,
+                first[chosen],
+                last[chosen],
+                window,
+                geometry,
+            )
 
     def _judge(
         self,
         packet: SonarPacket,
+        cones: ConeConsistency | None,
         first: IntArray,
-        size: IntArray,
+        last: IntArray,
         window: Window,
         geometry: GridGeometry,
     ) -> tuple[IntArray, FloatArray, FloatArray]:
         """Return (cell of the window, E_i, O_i) of those cells of the boxes in a cone."""
         evidence = self._evidence
-        # The cells of all boxes one after the other; what belongs to a reading is repeated.
-        cells = size[:, 0] * size[:, 1]
-        reading = np.repeat(np.arange(len(cells)), cells)
-        place = np.arange(len(reading)) - np.repeat(np.cumsum(cells) - cells, cells)
-        columns = np.repeat(size[:, 1], cells)
-        row = place // columns
-        column = place - row * columns + np.repeat(first[:, 1], cells)
-        row += np.repeat(first[:, 0], cells)
+        reading, row, column = box_cells(first, last)
         x, y = geometry.centre_coordinates(row, column)
-        dx = x - np.repeat(packet.apex[:, 0], cells)
-        dy = y - np.repeat(packet.apex[:, 1], cells)
-        ux = np.repeat(packet.axis[:, 0], cells)
-        uy = np.repeat(packet.axis[:, 1], cells)
+        dx = x - packet.apex[reading, 0]
+        dy = y - packet.apex[reading, 1]
+        ux, uy = packet.axis[reading, 0], packet.axis[reading, 1]
         along = ux * dx + uy * dy
         across = ux * dy - uy * dx
         squared = dx * dx + dy * dy
@@ -223,6 +249,13 @@ class SonarModel:
         rho = np.sqrt(squared)
         source = reading[inside]
         empty = empty_certainty(rho, packet.empty_range[source], evidence) * modulation
-        occupied = occupied_certainty(rho, packet.occupied_range[source], evidence) * modulation
+        occupied = occupied_certainty(rho, packet.occupied_range[source], evidence)
+        if cones is None:
+            occupied *= modulation
+        else:
+            arc = np.flatnonzero(occupied)
+            cell = inside[arc]
+            theta = np.arctan2(across[cell], along[cell])
+            occupied[arc] *= cones.weights(source[arc], theta, modulation[arc])
         cell = (row[inside] - window.row0) * window.shape[1] + (column[inside] - window.col0)
         return cell, empty, occupied

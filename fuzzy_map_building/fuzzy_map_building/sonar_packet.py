@@ -38,12 +38,16 @@ class SonarPacket:
         Apex (x, y) [m] of each cone in ``map``.
     axis : ndarray of float64, shape (n, 2)
         Unit vector along each cone's axis in ``map``.
+    direction : ndarray of float64, shape (n,)
+        Direction of each cone's axis [rad] in ``map``.
     empty_range : ndarray of float64, shape (n,)
         Distance [m] from the apex below which the reading speaks of empty space;
         0: it does not.
     occupied_range : ndarray of float64, shape (n,)
         Distance [m] from the apex of the arc that is believed occupied;
         ``-inf``: the reading speaks of none.
+    forward : float
+        Distance [m] of every apex from the robot's centre, along the axis.
     rejected : dict of str to int
         Readings that do not count, by reason: ``nan``, ``out_of_range``, ``lost_echo``
         (only where lost echoes are ignored).
@@ -51,8 +55,10 @@ class SonarPacket:
 
     apex: FloatArray
     axis: FloatArray
+    direction: FloatArray
     empty_range: FloatArray
     occupied_range: FloatArray
+    forward: float
     rejected: dict[str, int]
 
     @classmethod
@@ -90,13 +96,15 @@ class SonarPacket:
 
         axis = np.column_stack((np.cos(table[:, 2]), np.sin(table[:, 2])))
         apex = table[:, :2].copy()
+        forward = 0.0
         if sonar.apex == "mount":
-            apex += sonar.mount_radius * axis
+            forward = sonar.mount_radius
+            apex += forward * axis
         else:
             empty = np.where(empty > 0.0, empty + sonar.mount_radius, 0.0)
             occupied = occupied + sonar.mount_radius
         rejected = {reason: count for reason, count in counts.items() if count}
-        return cls(apex, axis, empty, occupied, rejected)
+        return cls(apex, axis, table[:, 2], empty, occupied, forward, rejected)
 
     def __len__(self) -> int:
         """Return the number of readings that count."""
@@ -107,8 +115,10 @@ class SonarPacket:
         return SonarPacket(
             self.apex[chosen],
             self.axis[chosen],
+            self.direction[chosen],
             self.empty_range[chosen],
             self.occupied_range[chosen],
+            self.forward,
             dict(self.rejected),
         )
 

@@ -93,5 +93,27 @@ class SonarReading(RangeReading):
     """A sonar's reading: the nearest surface somewhere inside a wide cone."""
 
 
+@dataclass(frozen=True)
 class InfraredReading(RangeReading):
-    """An infrared proximity sensor's reading: a narrow ray."""
+    """An infrared proximity sensor's reading: a narrow ray.
+
+    Parameters
+    ----------
+    pose, bearing, range, stamp, sensor
+        See `RangeReading`.
+    limit : float
+        Distance [m] from the sensor's face beyond which the ray is not believed to be free,
+        ``inf`` for no limit; it may be negative.
+
+    Raises
+    ------
+    ValueError
+        As `RangeReading`, or if `limit` is NaN.
+    """
+
+    limit: float = math.inf
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if math.isnan(self.limit):
+            raise ValueError("InfraredReading.limit must be a number, got nan")

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,7 @@ from fuzzy_map_building.types import RangeReading
 __all__ = ["EvidenceSource", "FusionRule", "LocalEvidence"]
 
 FloatArray = NDArray[np.float64]
+Reading = TypeVar("Reading", bound=RangeReading, contravariant=True)
 
 
 @dataclass(frozen=True)
@@ -48,10 +49,10 @@ class LocalEvidence:
     rejected: dict[str, int]
 
 
-class EvidenceSource(Protocol):
+class EvidenceSource(Protocol[Reading]):
     """A model of one kind of sensor."""
 
-    def evidence(self, readings: Sequence[RangeReading], geometry: GridGeometry) -> LocalEvidence:
+    def evidence(self, readings: Sequence[Reading], geometry: GridGeometry) -> LocalEvidence:
         """Return what a packet of readings says of the cells of a grid."""
         ...
 

@@ -7,9 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from fuzzy_map_building.params import SonarParameters
-from fuzzy_map_building.sensor_params import InfraredParameters, SonarGuardParameters
-from fuzzy_map_building.sonar_guard import guard_points, ray_limits
+from fuzzy_map_building.params import InfraredParameters, SonarGuardParameters, SonarParameters
+from fuzzy_map_building.sonar_guard import cut_rays, guard_points
 from fuzzy_map_building.types import InfraredReading, Pose2, SonarReading
 
 SONAR, INFRARED, GUARD = SonarParameters(), InfraredParameters(), SonarGuardParameters()
@@ -21,7 +20,10 @@ def points(sonar: list, infrared: list, reach: float = 0.6) -> np.ndarray:
 
 
 def limits(sonar: list, infrared: list, reach: float = 0.6) -> np.ndarray:
-    return ray_limits(sonar, infrared, SONAR, INFRARED, GUARD, reach, RADIUS)
+    cut = cut_rays(sonar, infrared, SONAR, INFRARED, GUARD, reach, RADIUS)
+    assert [(r.pose, r.bearing) for r in cut] == [(r.pose, r.bearing) for r in infrared]
+    assert [str(r.range) for r in cut] == [str(r.range) for r in infrared]
+    return np.array([r.limit for r in cut])
 
 
 def angle(a: float, b: float) -> float:
@@ -123,6 +125,12 @@ def test_many_readings_against_a_loop() -> None:
         if math.isnan(ray.range) or ray.range == 3.0:
             wanted = math.inf  # the reading does not count in any case
         assert found == pytest.approx(wanted, abs=1e-9)
+
+
+def test_a_ray_that_is_limited_already_is_not_extended() -> None:
+    pose = Pose2(0.0, 0.0)
+    rays = [InfraredReading(pose, 0.0, math.inf, limit=limit) for limit in (0.1, 0.4)]
+    np.testing.assert_allclose(limits([SonarReading(pose, 0.0, 0.3)], rays), [0.1, 0.25])
 
 
 def test_nothing_in_nothing_out() -> None:
