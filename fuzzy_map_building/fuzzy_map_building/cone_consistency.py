@@ -159,16 +159,16 @@ def _vetoes(
         turn = packet.direction[None, :] - packet.direction[part, None]
         turn = np.mod(turn + np.pi, 2.0 * np.pi) - np.pi
         ux, uy = packet.axis[part, 0, None], packet.axis[part, 1, None]
-        with np.errstate(over="ignore", invalid="ignore"):  # what is too far has no veto
+        # A reading that speaks of no arc has nothing to veto.
+        own = np.where(np.isfinite(packet.occupied_range[part]), reach[part], np.inf)
+        meet = half_angle + parameters.half_width + 2.0 * _ROUNDING
+        with np.errstate(over="ignore", invalid="ignore"):  # from too far away: no veto
             apart = centre[None, :, :] - centre[part, None, :]
             along = apart[..., 0] * ux + apart[..., 1] * uy
             across = apart[..., 1] * ux - apart[..., 0] * uy
-        # A reading that speaks of no arc has nothing to veto: -inf - -inf is none.
-        own = np.where(np.isfinite(packet.occupied_range[part]), reach[part], np.inf)
-        longer = reach[None, :] + along - own[:, None] - parameters.threshold
-        meet = half_angle + parameters.half_width + 2.0 * _ROUNDING
-        beside = (np.abs(across) <= parameters.max_offset) & (np.abs(turn) <= meet)
-        strength = np.where(beside, np.clip(longer / parameters.ramp, 0.0, 1.0), 0.0)
+            beside = (np.abs(across) <= parameters.max_offset) & (np.abs(turn) <= meet)
+            longer = reach[None, :] + along - own[:, None] - parameters.threshold
+            strength = np.where(beside, np.clip(longer / parameters.ramp, 0.0, 1.0), 0.0)
         most = int(np.count_nonzero(strength, axis=1).max())
         order = np.argsort(-strength, axis=1, kind="stable")[:, :most]
         offsets.append(np.take_along_axis(turn, order, axis=1))

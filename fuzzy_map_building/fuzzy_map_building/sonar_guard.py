@@ -142,9 +142,10 @@ def _unexplained(
 
 def _polar(points: FloatArray, centres: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return direction and distance of each of m points from each of n centres, shape (n, m)."""
-    offset = points[None, :, :] - centres[:, None, :]
-    direction: FloatArray = np.arctan2(offset[..., 1], offset[..., 0])
-    distance: FloatArray = np.hypot(offset[..., 0], offset[..., 1])
+    with np.errstate(over="ignore"):  # infinitely far is far as well
+        offset = points[None, :, :] - centres[:, None, :]
+        direction: FloatArray = np.arctan2(offset[..., 1], offset[..., 0])
+        distance: FloatArray = np.hypot(offset[..., 0], offset[..., 1])
     return direction, distance
 
 

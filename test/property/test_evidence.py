@@ -32,7 +32,7 @@ COORDINATE = st.one_of(st.floats(-1.5, 2.5), st.floats(-1e308, 1e308))
 POSES = st.builds(Pose2, COORDINATE, COORDINATE, st.floats(-10.0, 10.0))
 READINGS = st.builds(
     lambda kind, *values: kind(*values),
-    st.sampled_from([SonarReading] * 9 + [InfraredReading]),
+    st.sampled_from([SonarReading] * 6 + [InfraredReading]),
     POSES,
     st.floats(-10.0, 10.0),
     RANGES,
@@ -50,6 +50,13 @@ PARAMETERS = st.builds(
     evidence__range_margin=st.floats(0.001, 1.0),
     evidence__visibility_radius=st.floats(0.01, 3.0),
     evidence__dombi_lambda=st.floats(0.05, 20.0),
+    consistency__enabled=st.booleans(),
+    consistency__half_width=st.floats(0.0, math.pi),
+    consistency__floor=st.floats(0.0, 1.0),
+    infrared_evidence__enabled=st.booleans(),
+    infrared_evidence__certainty=st.floats(0.0, 1.0),
+    infrared_evidence__widening=st.floats(0.0, 1.0),
+    sonar_guard__enabled=st.booleans(),
     fusion__aggregation=st.sampled_from(["mean", "dombi", "max"]),
     fusion__max_count=st.integers(1, 5),
 )
@@ -64,7 +71,8 @@ def test_memberships_stay_memberships_and_every_reading_is_accounted_for(
         before = {name: getattr(mapper, name).copy() for name in (*ARRAYS, "count")}
         perceptions = mapper.perceptions
         report = mapper.update(packet)
-        assert report.accepted + sum(report.rejected.values()) == len(packet)
+        infrared = report.infrared_accepted + sum(report.infrared_rejected.values())
+        assert report.accepted + sum(report.rejected.values()) + infrared == len(packet)
         assert mapper.perceptions == perceptions + (report.accepted > 0)
         for name in ARRAYS:
             array = getattr(mapper, name)
@@ -91,7 +99,9 @@ def test_the_order_of_a_packet_is_free(
     first, second = FuzzyMapper(GRID, parameters), FuzzyMapper(GRID, parameters)
     shuffled = list(packet)
     random.shuffle(shuffled)
-    assert first.update(packet).rejected == second.update(shuffled).rejected
+    reports = first.update(packet), second.update(shuffled)
+    assert reports[0].rejected == reports[1].rejected
+    assert reports[0].infrared_rejected == reports[1].infrared_rejected
     for name in ARRAYS:
         np.testing.assert_allclose(getattr(first, name), getattr(second, name), atol=1e-9)
 
