@@ -1,32 +1,23 @@
 # Copyright 2026 The fuzzy navigation maintainers
 # SPDX-License-Identifier: Apache-2.0
-"""What the infrared ring sees, and the rules that stop the robot before it gets too close.
-
-Paper, section IV-B, stop condition 2: the proximity sensors see an obstacle closer than a least
-clearance.
-"""
+"""What the infrared ring sees, and the clearance that it leaves to the body."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fuzzy_map_building.types import InfraredReading
-from fuzzy_navigation.params import ClearanceParameters, InfraredParameters
+from fuzzy_navigation.params import InfraredParameters
 
 __all__ = [
-    "ClosingClearance",
     "InfraredRing",
-    "StopRule",
-    "StrictClearance",
     "approach_speed",
     "clearance_at",
     "hit_points",
-    "stop_rule",
 ]
 
 Points = NDArray[np.float64]
@@ -165,81 +156,9 @@ class InfraredRing:
     def hits(self, now: float, limit: float) -> Points:
         """Return the hit points (x, y) [m] of the last `limit` [s], shape (n, 2)."""
         p = self._parameters
-        present = [r for r in self._newest.values() if now - r.stamp <= limit]
+        present = self.present(now, limit)
         return hit_points(present, p.mount_radius, p.min_range, p.max_range)
 
-
-class StopRule(Protocol):
-    """Decides, from clearances along the path, which of the next steps must not be made."""
-
-    def blocked(
-        self, clearances: NDArray[np.float64], alpha: float, relaxed: bool
-    ) -> NDArray[np.bool_]:
-        """Tell which steps are forbidden.
-
-        Parameters
-        ----------
-        clearances : ndarray of float64, shape (m + 1,)
-            Clearance [m] where the robot is and, predicted from the present hit points, at the
-            next m places of its path.
-        alpha : float
-            Rung of the ladder that the path was found on.
-        relaxed : bool
-            Whether the last perception brought no progress.
-
-        Returns
-        -------
-        ndarray of bool, shape (m,)
-            For each step from one place to the next.
-        """
-
-
-class ClosingClearance:
-    """Forbid steps that bring the body too close and closer than it is.
-
-    The plain rule stops a robot that is already near a wall for good; this one lets it leave,
-    and after a perception without progress lets it come down to a smaller clearance.
-
-    Parameters
-    ----------
-    limit, override : float
-        Least clearance [m], and the least one after a perception without progress.
-    """
-
-    def __init__(self, limit: float, override: float) -> None:
-        self._limit = limit
-        self._override = override
-
-    def blocked(
-        self, clearances: NDArray[np.float64], alpha: float, relaxed: bool
-    ) -> NDArray[np.bool_]:
-        """See `StopRule.blocked`."""
-        limit = self._override if relaxed else self._limit
-        following = clearances[1:]
-        return (following < limit) & (following < clearances[:-1])
-
-
-class StrictClearance:
-    """Forbid every step from a place whose clearance is too small, as the paper words it.
-
-    Parameters
-    ----------
-    limit : float
-        Least clearance [m].
-    """
-
-    def __init__(self, limit: float) -> None:
-        self._limit = limit
-
-    def blocked(
-        self, clearances: NDArray[np.float64], alpha: float, relaxed: bool
-    ) -> NDArray[np.bool_]:
-        """See `StopRule.blocked`."""
-        return clearances[:-1] < self._limit
-
-
-def stop_rule(parameters: ClearanceParameters) -> StopRule:
-    """Return the rule that ``clearance.rule`` names."""
-    if parameters.rule == "strict":
-        return StrictClearance(parameters.limit)
-    return ClosingClearance(parameters.limit, parameters.override)
+    def present(self, now: float, limit: float) -> list[InfraredReading]:
+        """Return the newest reading of each sensor, of the last `limit` [s]."""
+        return [r for r in self._newest.values() if now - r.stamp <= limit]

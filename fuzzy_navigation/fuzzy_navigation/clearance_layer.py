@@ -24,6 +24,7 @@ from fuzzy_navigation.layer_params import LayerParameters
 from fuzzy_navigation.plan_types import RiskLayer
 
 __all__ = [
+    "PLENTY",
     "best_clearance",
     "best_places",
     "clearance_layer",

@@ -103,13 +103,16 @@ class Follower:
         """Whether the robot stands at the path's last point."""
         return self._arrived and self.standing
 
-    def follow(self, path_xy: ArrayLike) -> None:
+    def follow(self, path_xy: ArrayLike, *, moving: bool = False) -> None:
         """Take a new path.
 
         Parameters
         ----------
         path_xy : array_like, shape (n, 2)
             Points (x, y) [m], the first one where the robot is.
+        moving : bool
+            Whether a robot that moves goes over to it without a stop; if not, it turns on the
+            spot before it sets out.
 
         Raises
         ------
@@ -126,7 +129,7 @@ class Follower:
             self._s = np.zeros(1)
             self._xy = np.asarray(path_xy, dtype=np.float64)[:1]
         self._leg = 0
-        self._turning = True
+        self._turning = self._turning or not moving
         self._progress = 0.0
         self._deviation = 0.0
         self._arrived = not path.legs

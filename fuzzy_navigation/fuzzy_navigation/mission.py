@@ -16,9 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fuzzy_map_building.grid import GridGeometry
-from fuzzy_map_building.types import InfraredReading, Pose2
+from fuzzy_map_building.types import InfraredReading, Pose2, SonarReading
 from fuzzy_navigation import verdicts
-from fuzzy_navigation.clearance import InfraredRing, clearance_at
 from fuzzy_navigation.explored_area import ExploredArea
 from fuzzy_navigation.mission_record import MissionRecord, checked_tolerance
 from fuzzy_navigation.mission_types import (
@@ -31,13 +30,13 @@ from fuzzy_navigation.mission_types import (
     Perceive,
     Phase,
     Plan,
-    Stop,
 )
 from fuzzy_navigation.mission_waiting import Hold, MissionTime, OpenRequest
 from fuzzy_navigation.motion import Motion, PlannedPath
 from fuzzy_navigation.params import MotionParameters
 from fuzzy_navigation.plan_types import PlanResult, PlanStatus
 from fuzzy_navigation.refused_cells import RefusedCells
+from fuzzy_navigation.surroundings import Surroundings
 
 __all__ = ["Mission"]
 
@@ -62,7 +61,7 @@ class Mission:
 
     def __init__(self, parameters: MotionParameters | None = None) -> None:
         self._p = parameters if parameters is not None else MotionParameters()
-        self._ring = InfraredRing(self._p.infrared)
+        self._around = Surroundings(self._p)
         self._motion = Motion(self._p)
         self._area: ExploredArea | None = None
         self._pose: Pose2 | None = None
@@ -155,9 +154,13 @@ class Mission:
         return tuple(self._finish((Outcome.CANCELED, reason))) if self.active else ()
 
     def on_pose(
-        self, now: float, pose: Pose2, infrared: Sequence[InfraredReading] = ()
+        self,
+        now: float,
+        pose: Pose2,
+        infrared: Sequence[InfraredReading] = (),
+        sonar: Sequence[SonarReading] = (),
     ) -> Commands:
-        """Take a pose and what the infrared sensors saw there: the tick of the control.
+        """Take a pose and what the sensors saw there or on the way: the tick of the control.
 
         Raises
         ------
@@ -165,18 +168,16 @@ class Mission:
             If a reading is of an unknown sensor; then nothing is taken.
         """
         self._time.check(now)
-        self._ring.update(infrared)
+        self._around.update(now, pose, infrared, sonar)
         self._advance(now)
         dt = min(self._pose_age(), LONGEST_TICK)
         self._pose, self._pose_time = pose, self._time.elapsed
         if not self.active:
             return ()
-        hits = self._ring.hits(now, self._p.timeout.infrared)
-        clearance = float(clearance_at((pose.x, pose.y), hits, self._p.robot_radius)[0])
-        self._record.pass_by(pose, clearance)
+        self._record.pass_by(pose, self._around.clearance(now, pose))
         commands = self._watch()
         if self._state is _State.MOVING:
-            commands += self._drive(pose, hits, dt)
+            commands += self._drive(pose, self._around.known(now), dt)
         else:
             self._hold.end()
             if self._state is _State.WAITING:
@@ -263,7 +264,7 @@ class Mission:
     def _advance(self, now: float) -> None:
         if self._time.advance(now):
             # Stamps from before the step back tell nothing any more.
-            self._ring.clear()
+            self._around.clear()
             self._asked_at = now
 
     def _pose_age(self) -> float:
@@ -319,6 +320,7 @@ class Mission:
         if verdict:
             return self._finish(verdict)
         self._state = _State.PERCEIVING
+        self._around.begin_perception()
         self._asked_at, self._answered, self._map_seen = self._time.clock, False, False
         return [Perceive(self._request.make(self._time.elapsed, self._p.timeout.build_map))]
 
@@ -327,6 +329,7 @@ class Mission:
         if not (self._answered and self._map_seen):
             return []
         self._request.settle()
+        self._around.end_perception()
         self._record.perceived(now, self._here, self._distance_remaining())
         return self._plan()
 
@@ -335,7 +338,8 @@ class Mission:
         request = self._request.make(self._time.elapsed, self._p.timeout.plan)
         tolerance = self._record.path_tolerance
         barred = self._refused.barred(self._record.perceptions)
-        return [Plan(request, self._here, self._record.goal, tolerance, barred)]
+        hits = tuple((x, y) for x, y in self._around.remembered.tolist())
+        return [Plan(request, self._here, self._record.goal, tolerance, barred, hits)]
 
     def _move(self, plan: PlanResult) -> list[Command]:
         assert self._area is not None
@@ -347,11 +351,12 @@ class Mission:
         self._state = _State.MOVING
         self._record.alpha = plan.alpha
         reach = self._area.reach(path.points)
-        self._motion.begin(self._here, path, self._record.goal, reach, self._record.relaxed)
+        hits, relaxed = self._around.remembered, self._record.relaxed
+        self._motion.begin(self._here, path, self._record.goal, reach, relaxed, hits)
         return self._stopped() if self._motion.stopped is not None else []
 
     def _drive(self, pose: Pose2, hits: NDArray[np.float64], dt: float) -> list[Command]:
-        silent = self._ring.silent(self._time.clock, self._p.timeout.infrared)
+        silent = self._around.silent(self._time.clock)
         if silent:
             return self._stand(f"no readings from {', '.join(silent)}")
         self._hold.end()
@@ -369,22 +374,15 @@ class Mission:
         if verdict:
             return self._finish(verdict)
         self._record.stopped(self._motion.stopped, self._motion.came_on)
-        self._remember()
+        assert self._area is not None
+        hits, ahead = self._around.seen(self._time.clock), self._motion.next_point
+        self._refused.take_note(self._record, hits, ahead, self._area.geometry)
         verdict = verdicts.stalemate(self._record, self._here, self._p)
         return self._finish(verdict) if verdict else self._perceive()
 
-    def _remember(self) -> None:
-        """Keep in mind where the motion could not go on."""
-        assert self._area is not None
-        if self._motion.stopped is Stop.CLEARANCE:
-            hits = self._ring.hits(self._time.clock, self._p.timeout.infrared)
-            self._refused.add_obstacle(self._record.perceptions, hits, self._area.geometry)
-        elif self._motion.stopped is Stop.UNEXPLORED and self._record.without_progress > 1:
-            # Seen twice from the cell before it, and still not known to be free.
-            self._refused.add_unexplored(self._record.perceptions, *self._motion.next_point)
-
     def _finish(self, verdict: verdicts.Verdict) -> list[Command]:
         self._state = _State.IDLE
+        self._around.rest()
         self._request.settle()
         self._hold.end()
         return [Drive(0.0, 0.0), self._record.finish(*verdict, self._time.elapsed)]

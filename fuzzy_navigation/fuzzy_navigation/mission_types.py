@@ -78,6 +78,8 @@ class Plan:
         Distance from the goal within which the path may end [m].
     barred : tuple of (float, float)
         Positions (x, y) [m] of cells that no path may enter.
+    hits : tuple of (float, float)
+        Points (x, y) [m] that the sensors have hit.
     """
 
     request: int
@@ -85,6 +87,7 @@ class Plan:
     goal: Pose2
     tolerance: float
     barred: tuple[tuple[float, float], ...] = ()
+    hits: tuple[tuple[float, float], ...] = ()
 
 
 @dataclass(frozen=True)

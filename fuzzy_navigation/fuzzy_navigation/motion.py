@@ -18,10 +18,12 @@ from numpy.typing import NDArray
 
 from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.types import Pose2
-from fuzzy_navigation.clearance import approach_speed, clearance_at, stop_rule
+from fuzzy_navigation.clearance import approach_speed, clearance_at
+from fuzzy_navigation.clearance_layer import PLENTY, best_clearance, best_places
 from fuzzy_navigation.follower import BRAKING_PART, Follower
 from fuzzy_navigation.mission_types import Stop
 from fuzzy_navigation.params import MotionParameters
+from fuzzy_navigation.stop_rules import ClosingClearance, LayerClearance, stop_rule
 
 __all__ = ["Motion", "PlannedPath"]
 
@@ -29,6 +31,8 @@ __all__ = ["Motion", "PlannedPath"]
 PASSED = 0.01
 #: A robot that came this much farther along its path has come on [m].
 ADVANCE = 0.01
+#: What another place in a cell ahead must be better by for a robot on its way to take it [m].
+BETTER = 0.01
 #: Speed that is allowed at any clearance [m/s].
 LEAST_SPEED = 0.1
 
@@ -91,15 +95,18 @@ class Motion:
 
     def __init__(self, parameters: MotionParameters) -> None:
         self._p = parameters
-        self._rule = stop_rule(parameters.clearance)
+        self._rule = stop_rule(parameters.clearance, parameters.layer)
+        # What the layer says of a cell, the way that is driven through it must keep as well.
+        self._floor = ClosingClearance(parameters.layer.closed, parameters.layer.closed)
         self._follower = Follower(parameters.follower)
         self.forget()
 
     def forget(self) -> None:
         """Forget the path."""
         self._path = PlannedPath(np.empty((0, 2)), 0.0, math.inf)
-        self._driven = 0
-        self._reach = 0
+        self._targets = self._path.points
+        self._first = self._aimed_at = self._driven = self._reach = 0
+        self._before = 0.0
         self._relaxed = False
         self._stopping: Stop | None = None
         self._stopped: Stop | None = None
@@ -128,12 +135,12 @@ class Motion:
         """Index of the last cell of the path that the robot has passed."""
         follower = self._follower
         passed = follower.vertex_progress <= follower.progress + PASSED
-        return int(np.flatnonzero(passed)[-1])
+        return self._first + int(np.flatnonzero(passed)[-1])
 
     @property
     def progress(self) -> float:
         """Distance along the path that the robot has come [m]."""
-        return self._follower.progress
+        return self._before + self._follower.progress
 
     @property
     def came_on(self) -> bool:
@@ -154,7 +161,13 @@ class Motion:
         return self._follower.remaining + float(np.hypot(steps[:, 0], steps[:, 1]).sum())
 
     def begin(
-        self, pose: Pose2, path: PlannedPath, goal: Pose2, reach: int, relaxed: bool
+        self,
+        pose: Pose2,
+        path: PlannedPath,
+        goal: Pose2,
+        reach: int,
+        relaxed: bool,
+        hits: NDArray[np.float64],
     ) -> None:
         """Set out on a path.
 
@@ -170,17 +183,23 @@ class Motion:
             Index of the last cell of the path that is in the explored area.
         relaxed : bool
             Whether the last perception brought no progress.
+        hits : ndarray of float64, shape (n, 2)
+            Hit points [m] of the perception.
         """
         self._path, self._reach, self._relaxed = path, reach, relaxed
         self._driven = reach
         self._stopping = self._stopped = None
         self._stalled, self._advanced = 0.0, 0.0
+        self._first = self._aimed_at = 0
+        self._before = 0.0
         last = len(path.points) - 1
-        targets = path.points.copy()
-        if np.abs(targets[last] - (goal.x, goal.y)).max() <= 0.5 * path.resolution + 1e-9:
-            targets[last] = goal.x, goal.y
+        self._targets = self._aim(path.points, hits)
+        centre = path.points[last]
+        at_goal = np.abs(centre - (goal.x, goal.y)).max() <= 0.5 * path.resolution + 1e-9
+        if at_goal and not self._narrow((goal.x, goal.y), hits):
+            self._targets[last] = goal.x, goal.y
         # From where the robot is straight to the second cell, or to the aim in its own one.
-        ahead = targets[1 : reach + 1] if last > 0 else targets
+        ahead = self._targets[1 : reach + 1] if last > 0 else self._targets
         self._follower.follow(np.vstack([(pose.x, pose.y), ahead]))
         if last > 0 and reach == 0:
             self._stopped = Stop.UNEXPLORED
@@ -201,14 +220,16 @@ class Motion:
         pose : Pose2
             Where the robot is.
         hits : ndarray of float64, shape (n, 2)
-            Present infrared hit points [m].
+            Hit points [m] to keep clear of.
         dt : float
             Time since the last tick [s].
         """
         follower = self._follower
         self._stalled += dt
-        if follower.progress > self._advanced + ADVANCE:
-            self._stalled, self._advanced = 0.0, follower.progress
+        if self.progress > self._advanced + ADVANCE:
+            self._stalled, self._advanced = 0.0, self.progress
+        if self._p.subcell_target and self.passed > self._aimed_at and self._stopping is None:
+            self._aim_again(pose, hits)
         stop_at, max_speed = self._limits(pose, hits, dt)
         if self._stopping is not None:
             stop_at = -math.inf
@@ -223,6 +244,35 @@ class Motion:
             self._stop(Stop.NONE)
         return v, omega
 
+    def _aim(self, cells: NDArray[np.float64], hits: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return where in each of some cells to drive, by their centres [m], shape (n, 2)."""
+        if not self._p.subcell_target:
+            return cells.copy()
+        return best_places(cells, hits, self._p.robot_radius, self._p.layer.shift)
+
+    def _narrow(self, place: tuple[float, float], hits: NDArray[np.float64]) -> bool:
+        """Whether a place leaves the body so little room that a better one is sought."""
+        clearance = clearance_at(place, hits, self._p.robot_radius)[0]
+        return self._p.subcell_target and bool(clearance < self._p.layer.limit)
+
+    def _aim_again(self, pose: Pose2, hits: NDArray[np.float64]) -> None:
+        """Drive to better places in the cells ahead, if what was seen since shows such."""
+        self._aimed_at = self.passed
+        ahead = slice(self._aimed_at + 1, self._driven + 1)
+        before = self._targets[ahead]
+        if len(before) == 0:
+            return
+        targets = self._aim(self._path.points[ahead], hits)
+        radius = self._p.robot_radius
+        gain = np.minimum(clearance_at(targets, hits, radius), PLENTY)
+        gain -= np.minimum(clearance_at(before, hits, radius), PLENTY)
+        if not (gain > BETTER).any():
+            return
+        self._targets[ahead] = np.where(gain[:, None] > BETTER, targets, before)
+        self._before += self._follower.progress
+        self._first = self._aimed_at
+        self._follower.follow(np.vstack([(pose.x, pose.y), self._targets[ahead]]), moving=True)
+
     def _stop(self, reason: Stop) -> None:
         if self._stopping is None:
             self._stopping = reason
@@ -235,7 +285,7 @@ class Motion:
         horizon = follower.progress + speed * speed / (2.0 * deceleration)
         horizon += 2.0 * speed * dt + 1.5 * self._path.resolution
         passed = follower.vertex_progress
-        following = np.arange(self.passed + 1, len(passed))
+        following = np.arange(self.passed - self._first + 1, len(passed))
         near = passed[following] <= horizon
         near[:1] = True
         ahead = following[near]
@@ -245,10 +295,10 @@ class Motion:
         stop_at = math.inf
         if self._reach < self._driven:
             # The map changed under the path.
-            stop_at = float(passed[self._reach])
+            stop_at = float(passed[self._reach - self._first])
             if follower.progress >= stop_at - PASSED:
                 self._stop(Stop.UNEXPLORED)
-        blocked = self._rule.blocked(clearances, self._path.alpha, self._relaxed)
+        blocked = self._blocked(clearances, self._first + ahead, hits)
         if blocked.any():
             first = int(np.argmax(blocked))
             if first == 0:
@@ -256,3 +306,22 @@ class Motion:
             else:
                 stop_at = min(stop_at, float(passed[ahead[first - 1]]))
         return stop_at, max_speed
+
+    def _blocked(
+        self,
+        clearances: NDArray[np.float64],
+        ahead: NDArray[np.int64],
+        hits: NDArray[np.float64],
+    ) -> NDArray[np.bool_]:
+        """Tell which steps along some of the path's points must not be made.
+
+        `clearances` [m] are those where the robot is and on the driven way beside the points.
+        """
+        alpha, relaxed = self._path.alpha, self._relaxed
+        if not isinstance(self._rule, LayerClearance):
+            return self._rule.blocked(clearances, alpha, relaxed)
+        # As the planner judged the cells: by the best place in each.
+        cells = self._path.points[np.minimum(ahead, len(self._path.points) - 1)]
+        best = best_clearance(cells, hits, self._p.robot_radius, self._p.layer.shift)
+        by_cells = self._rule.blocked(np.append(clearances[0], best), alpha, relaxed)
+        return by_cells | self._floor.blocked(clearances, alpha, relaxed)

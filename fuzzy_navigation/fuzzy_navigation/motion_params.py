@@ -30,8 +30,10 @@ class ClearanceParameters:
     rule: str = parameter(
         "closing",
         doc="stop where the clearance at the next cell is below the limit and smaller than now "
-        "(closing), or wherever it is below the limit (strict, the paper's wording)",
-        choices=("closing", "strict"),
+        "(closing), wherever it is below the limit (strict, the paper's wording), or where it is "
+        "smaller than now and its risk in the clearance layer is above the rung that the path was "
+        "found on (layer)",
+        choices=("closing", "strict", "layer"),
         source="paper, section IV-B",
     )
     limit: float = parameter(

@@ -21,7 +21,12 @@ from fuzzy_map_building.parameter_schema import (
     suggest,
     validate,
 )
-from fuzzy_map_building.sensor_params import InfraredParameters
+from fuzzy_map_building.params import TurretParameters
+from fuzzy_map_building.sensor_params import (
+    InfraredParameters,
+    SonarGuardParameters,
+    SonarParameters,
+)
 from fuzzy_navigation.layer_params import LayerParameters
 from fuzzy_navigation.motion_params import (
     ROBOT_RADIUS,
@@ -41,7 +46,10 @@ __all__ = [
     "LayerParameters",
     "MotionParameters",
     "PlannerParameters",
+    "SonarGuardParameters",
+    "SonarParameters",
     "TimeoutParameters",
+    "TurretParameters",
     "motion_parameters",
     "planner_parameters",
 ]
@@ -210,9 +218,18 @@ class MotionParameters:
         minimum=0.02,
         maximum=MAX_TOLERANCE,
     )
+    subcell_target: bool = parameter(
+        False,
+        doc="whether the robot drives through each cell of its path where the hit points leave it "
+        "most room, at one of the nine places of layer.shift; if not, through its centre",
+    )
     clearance: ClearanceParameters = field(default_factory=ClearanceParameters)
+    layer: LayerParameters = field(default_factory=LayerParameters)
     follower: FollowerParameters = field(default_factory=FollowerParameters)
     infrared: InfraredParameters = field(default_factory=InfraredParameters)
+    sonar: SonarParameters = field(default_factory=SonarParameters)
+    turret: TurretParameters = field(default_factory=TurretParameters)
+    sonar_guard: SonarGuardParameters = field(default_factory=SonarGuardParameters)
     timeout: TimeoutParameters = field(default_factory=TimeoutParameters)
 
     def __post_init__(self) -> None:
@@ -222,8 +239,25 @@ class MotionParameters:
 DEFAULT_PRESET = "oriolo1998"
 
 #: What each preset changes, by dotted name. The defaults are the paper's rules, mended.
-PLANNER_PRESETS: Mapping[str, Mapping[str, Any]] = {"oriolo1998": {}}
-MOTION_PRESETS: Mapping[str, Mapping[str, Any]] = {"oriolo1998": {}}
+PLANNER_PRESETS: Mapping[str, Mapping[str, Any]] = {
+    "oriolo1998": {},
+    "consistent": {
+        "augmentation": "disc",
+        "diagonal": "sqrt2",
+        "rung_choice": "cheapest",
+        "layer.enabled": True,
+    },
+}
+MOTION_PRESETS: Mapping[str, Mapping[str, Any]] = {
+    "oriolo1998": {},
+    "consistent": {
+        "augmentation": "disc",
+        "clearance.rule": "layer",
+        "layer.enabled": True,
+        "sonar_guard.enabled": True,
+        "subcell_target": True,
+    },
+}
 
 
 def _resolve(

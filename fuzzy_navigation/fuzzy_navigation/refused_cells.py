@@ -15,6 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy_map_building.grid import GridGeometry
+from fuzzy_navigation.mission_record import MissionRecord
+from fuzzy_navigation.mission_types import Stop
 
 __all__ = ["RefusedCells"]
 
@@ -59,6 +61,30 @@ class RefusedCells:
         self._released = True
         self._until.clear()
         return useful
+
+    def take_note(
+        self,
+        record: MissionRecord,
+        hits: Points,
+        ahead: tuple[float, float],
+        geometry: GridGeometry,
+    ) -> None:
+        """Remember where the motion has just not gone on, by the reason that it gave.
+
+        Parameters
+        ----------
+        record : MissionRecord
+            The mission, its last stop already in it.
+        hits, geometry
+            As `add_obstacle` takes them.
+        ahead : tuple of float
+            Centre (x, y) [m] of the path's cell behind the last one that is explored.
+        """
+        if record.last_stop is Stop.CLEARANCE:
+            self.add_obstacle(record.perceptions, hits, geometry)
+        elif record.last_stop is Stop.UNEXPLORED and record.without_progress > 1:
+            # Seen twice from the cell before it, and still not known to be free.
+            self.add_unexplored(record.perceptions, *ahead)
 
     def add_obstacle(self, perception: int, hits: Points, geometry: GridGeometry) -> None:
         """Remember where the body has no room.

@@ -22,7 +22,7 @@ from fuzzy_map_building.occupancy import risk_to_int8
 from fuzzy_map_building.packet import ReadingAssembler
 from fuzzy_map_building.params import DEFAULT_PRESET, MapperParameters, mapper_parameters
 from fuzzy_map_building.perception import PerceptionSequence
-from fuzzy_map_building.types import InfraredReading, Pose2
+from fuzzy_map_building.types import InfraredReading, Pose2, SonarReading
 from fuzzy_navigation.mission import Mission
 from fuzzy_navigation.mission_types import (
     Commands,
@@ -32,7 +32,7 @@ from fuzzy_navigation.mission_types import (
     Perceive,
     Plan,
 )
-from fuzzy_navigation.params import motion_parameters, planner_parameters
+from fuzzy_navigation.params import MotionParameters, motion_parameters, planner_parameters
 from fuzzy_navigation.planner import Planner
 from nomad_sim.mission_log import MissionLog
 from nomad_sim.params import simulator_parameters
@@ -111,7 +111,9 @@ class HeadlessMission:
         geometry = p.area.geometry()
         self.mapper = FuzzyMapper(geometry, p)
         self.planner = Planner(geometry, planner_parameters(preset, planner))
-        self.mission = Mission(motion_parameters(preset, motion))
+        drive = motion_parameters(preset, motion)
+        self.mission = Mission(drive)
+        self._echoes = _Echoes(drive) if drive.sonar_guard.enabled else None
         self.verdict: Finish | None = None
         self._perception = _Perception(p)
         self._drive = Drive(0.0, 0.0)
@@ -131,7 +133,8 @@ class HeadlessMission:
             InfraredReading(pose, bearings[i], float(value), now, i)
             for i, value in enumerate(simulator.infrared())
         ]
-        self._handle(self.mission.on_pose(now, pose, infrared))
+        sonar = self._echoes.tick(simulator) if self._echoes is not None else []
+        self._handle(self.mission.on_pose(now, pose, infrared, sonar))
 
     def run(
         self,
@@ -176,6 +179,7 @@ class HeadlessMission:
                     command.goal,
                     tolerance=command.tolerance,
                     barred=command.barred,
+                    hits=command.hits,
                 )
                 now = self.simulator.time
                 self._handle(self.mission.on_plan(now, command.request, plan))
@@ -257,6 +261,23 @@ class _Perception:
             return None
         request, self._request = self._request, None
         return request, self._sequence.readings, self._sequence.failed
+
+
+class _Echoes:
+    """The part of the motion node that places the sonars' ranges, fed by the simulator."""
+
+    def __init__(self, parameters: MotionParameters) -> None:
+        p = MapperParameters(sonar=parameters.sonar, turret=parameters.turret)
+        self._assembler = ReadingAssembler(p)
+
+    def tick(self, simulator: Simulator) -> list[SonarReading]:
+        """Return what the sonars measured since the last tick."""
+        now = simulator.time
+        self._assembler.add_pose(now, simulator.pose, now)
+        self._assembler.add_turret(now, simulator.turret_angle, now)
+        for event in simulator.sonar_events:
+            self._assembler.add_range(event.sensor, event.stamp, event.range, now)
+        return self._assembler.release(now)
 
 
 def _goal(world: World, goal: tuple[float, float]) -> tuple[float, float]:

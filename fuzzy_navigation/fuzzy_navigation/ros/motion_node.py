@@ -52,6 +52,7 @@ from fuzzy_navigation.params import MOTION_PRESETS, MotionParameters, motion_par
 from fuzzy_navigation.planner import PlanResult
 from fuzzy_navigation.pose_time import PoseTime
 from fuzzy_navigation.ros.backlog import take_waiting
+from fuzzy_navigation.ros.echo_listener import EchoListener
 from fuzzy_navigation.ros.navigate_server import NavigateServer
 from fuzzy_navigation.ros.partners import MapperClient, PlannerClient
 from fuzzy_navigation.ros.requests import requested_pose
@@ -104,6 +105,8 @@ class MotionNode(Node):
         self._infrared = self.create_subscription(
             Range, names.INFRARED, self._on_infrared, qos.RANGES
         )
+        self._echoes: EchoListener | None = None
+        self._listen(parameters)
         self.create_subscription(PoseStamped, names.POSE, self._on_pose, qos.RELIABLE)
         self.create_subscription(OccupancyGrid, names.MOTION_MAP, self._on_map, qos.LATCHED)
         self.create_subscription(PoseStamped, names.GOAL_POSE, self._on_goal_pose, qos.RELIABLE)
@@ -129,6 +132,8 @@ class MotionNode(Node):
         except (Refused, Untimely) as refusal:
             self._diagnostics.reject(names.POSE, refusal.reason, str(refusal))
             return
+        if self._echoes is not None:
+            self._echoes.add_pose(stamp, pose)
         self._act(tick)
 
     def _on_infrared(self, message: Range) -> None:
@@ -157,7 +162,8 @@ class MotionNode(Node):
         self._last_tick = time.monotonic()
         self._counts["ticks" if tick.complete else "ticks.incomplete"] += 1
         now = self._time.at_pose(tick.stamp, now_seconds(self), self._last_tick)
-        self._carry_out(self._mission.on_pose(now, tick.pose, tick.readings))
+        sonar = self._echoes.release() if self._echoes is not None else ()
+        self._carry_out(self._mission.on_pose(now, tick.pose, tick.readings, sonar))
 
     def _on_map(self, message: OccupancyGrid) -> None:
         try:
@@ -183,6 +189,13 @@ class MotionNode(Node):
         self._planner.watch()
         if time.monotonic() - self._last_tick > SILENCE:
             self._carry_out(self._mission.on_tick(self._now()))
+
+    def _listen(self, parameters: MotionParameters) -> None:
+        """Hear the sonars if they guard the motion."""
+        if self._echoes is not None:
+            self._echoes.close()
+        guarded = parameters.sonar_guard.enabled
+        self._echoes = EchoListener(self, parameters, self._diagnostics) if guarded else None
 
     def _use_parameters(self, _: MotionParameters) -> None:
         self._stale_parameters = True
@@ -267,6 +280,7 @@ class MotionNode(Node):
             return
         self._stale_parameters = False
         self._mission = Mission(self._settings.values)
+        self._listen(self._settings.values)
         self._missions_before = self._missions
         if self._map is not None:
             self._mission.on_map(self._now(), *self._map)

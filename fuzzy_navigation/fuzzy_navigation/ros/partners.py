@@ -190,6 +190,7 @@ class PlannerClient:
             goal=pose_to_msg(plan.goal, Time()),
             tolerance=plan.tolerance,
             barred=[Point(x=x, y=y) for x, y in plan.barred],
+            hits=[Point(x=x, y=y) for x, y in plan.hits],
         )
         self._future = self._client.call_async(request)
         self._future.add_done_callback(self._on_response)

@@ -1,6 +1,6 @@
 # Copyright 2026 The fuzzy navigation maintainers
 # SPDX-License-Identifier: Apache-2.0
-"""Infrared hit points, clearances and stop rules against geometry by hand."""
+"""Infrared hit points and clearances against geometry by hand."""
 
 import math
 
@@ -9,15 +9,12 @@ import pytest
 
 from fuzzy_map_building.types import InfraredReading, Pose2
 from fuzzy_navigation.clearance import (
-    ClosingClearance,
     InfraredRing,
-    StrictClearance,
     approach_speed,
     clearance_at,
     hit_points,
-    stop_rule,
 )
-from fuzzy_navigation.params import ClearanceParameters, InfraredParameters
+from fuzzy_navigation.params import InfraredParameters
 
 RADIUS = 0.23
 RING = InfraredParameters()
@@ -114,37 +111,3 @@ class TestRing:
         with pytest.raises(ValueError, match=rf"sensor {sensor}: .* 0 to 15"):
             ring.update([reading(0, 0.1, 1.0), stranger])
         assert len(ring.silent(1.0, 0.5)) == 16
-
-
-class TestRules:
-    #: Clearances here and at three places ahead, and which steps each rule forbids.
-    @pytest.mark.parametrize(
-        ("clearances", "relaxed", "closing"),
-        [
-            ((0.30, 0.25, 0.20, 0.15), False, (False, False, False)),
-            ((0.30, 0.20, 0.119, 0.13), False, (False, True, False)),
-            ((0.30, 0.20, 0.120, 0.12), False, (False, False, False)),
-            ((0.10, 0.09, 0.10, 0.11), False, (True, False, False)),
-            ((0.10, 0.10, 0.10, 0.30), False, (False, False, False)),
-            ((0.10, 0.09, 0.05, 0.049), True, (False, False, True)),
-            ((0.04, 0.03, 0.04, 0.05), True, (True, False, False)),
-            ((math.inf, math.inf, 0.1, math.inf), False, (False, True, False)),
-        ],
-    )
-    def test_closing(
-        self, clearances: tuple[float, ...], relaxed: bool, closing: tuple[bool, ...]
-    ) -> None:
-        rule = ClosingClearance(0.12, 0.05)
-        assert tuple(rule.blocked(np.array(clearances), 0.6, relaxed)) == closing
-
-    @pytest.mark.parametrize("relaxed", [False, True])
-    def test_strict_forbids_to_leave_as_well(self, relaxed: bool) -> None:
-        rule = StrictClearance(0.12)
-        blocked = rule.blocked(np.array([0.1, 0.5, 0.119, 0.12, 0.1]), 0.6, relaxed)
-        assert blocked.tolist() == [True, False, True, False]
-
-    def test_the_parameter_names_the_rule(self) -> None:
-        clearances = np.array([0.1, 0.2])
-        assert not stop_rule(ClearanceParameters()).blocked(clearances, 0.6, False)[0]
-        strict = stop_rule(ClearanceParameters(rule="strict", limit=0.15))
-        assert strict.blocked(clearances, 0.6, False)[0]

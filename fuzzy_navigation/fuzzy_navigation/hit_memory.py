@@ -1,0 +1,111 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""What the sensors hit at the last perception and on the way since.
+
+A ring of infrareds sees little from one place. What it saw from the places before tells of
+the same surfaces, but not for ever: somebody may have moved. The memory reaches back to the
+last perception, like the path that the robot follows.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzy_map_building.sensor_params import InfraredParameters
+from fuzzy_map_building.types import InfraredReading, Pose2, SonarReading
+from fuzzy_navigation.clearance import hit_points
+
+__all__ = ["HitMemory"]
+
+Points = NDArray[np.float64]
+
+#: Distance between places whose hit points are kept: a cell of the paper's maps [m].
+STEP = 0.1
+#: Readings of one sensor, of a robot that stands, that its median is taken of.
+SWEEPS = 21
+#: Turret angles closer than this are one stand [rad].
+STAND = math.radians(2.5)
+#: Points closer than this in x and y are one [m]; bounds the memory.
+RASTER = 0.005
+
+
+class HitMemory:
+    """Hit points of one perception and of the cells passed since.
+
+    While the robot stands each infrared counts by the median of its readings, whose noise
+    would otherwise eat up the clearance; on the way one sweep of the ring counts for each cell.
+
+    Parameters
+    ----------
+    infrared : InfraredParameters
+        The ring.
+    """
+
+    def __init__(self, infrared: InfraredParameters) -> None:
+        self._infrared = infrared
+        self.forget()
+
+    def forget(self) -> None:
+        """Forget everything: a perception begins."""
+        self._standing: dict[int, deque[InfraredReading]] = {}
+        self._echoes: dict[tuple[int, int], SonarReading] = {}
+        self._points: dict[tuple[int, int], tuple[float, float]] = {}
+        self._last: Pose2 | None = None
+        self._array: Points | None = None
+
+    @property
+    def points(self) -> Points:
+        """All hit points (x, y) [m], shape (n, 2)."""
+        if self._array is None:
+            p = self._infrared
+            standing = hit_points(self.infrared, p.mount_radius, p.min_range, p.max_range)
+            self._array = np.vstack([standing, self.added])
+        return self._array
+
+    @property
+    def added(self) -> Points:
+        """The hit points (x, y) [m] that are not the infrareds' at the perception, (n, 2)."""
+        return np.array(list(self._points.values()), dtype=np.float64).reshape(-1, 2)
+
+    @property
+    def infrared(self) -> list[InfraredReading]:
+        """One reading of each sensor, of the perception: the median one."""
+        return [
+            sorted(readings, key=lambda reading: reading.range)[(len(readings) - 1) // 2]
+            for readings in self._standing.values()
+        ]
+
+    @property
+    def sonar(self) -> list[SonarReading]:
+        """The newest reading of each sonar at each stand of the turret, of the perception."""
+        return list(self._echoes.values())
+
+    def stand(
+        self, infrared: Sequence[InfraredReading], sonar: Sequence[SonarReading] = ()
+    ) -> None:
+        """Take readings of a robot that stands at its perception."""
+        self._array = None
+        for reading in infrared:
+            if not math.isnan(reading.range):
+                kept = self._standing.setdefault(reading.sensor, deque(maxlen=SWEEPS))
+                kept.append(reading)
+                self._last = reading.pose
+        for echo in sonar:
+            self._echoes[echo.sensor, round(echo.bearing / STAND)] = echo
+
+    def pass_by(self, pose: Pose2, hits: Points) -> None:
+        """Take the hit points of the ring at a pose, if it is a cell on from the last taken."""
+        if self._last is None or pose.distance_to(self._last.x, self._last.y) >= STEP:
+            self._last = pose
+            self.add(hits)
+
+    def add(self, points: Points) -> None:
+        """Take points (x, y) [m], shape (n, 2)."""
+        self._array = None
+        for x, y in points.tolist():
+            self._points.setdefault((round(x / RASTER), round(y / RASTER)), (x, y))

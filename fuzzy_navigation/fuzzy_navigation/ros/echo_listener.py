@@ -1,0 +1,108 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""Hears the sonars for the motion's guard, and places their ranges."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from rclpy.clock import JumpThreshold
+from rclpy.duration import Duration
+from rclpy.node import Node
+from sensor_msgs.msg import JointState, Range
+
+from fuzzy_map_building.packet import ReadingAssembler
+from fuzzy_map_building.params import MapperParameters
+from fuzzy_map_building.ros import names, qos
+from fuzzy_map_building.ros.clock import now_seconds
+from fuzzy_map_building.ros.conversions import Refused, joint_position, range_from_msg
+from fuzzy_map_building.ros.diagnostics import Diagnostics
+from fuzzy_map_building.types import Pose2, SonarReading
+from fuzzy_navigation.params import MotionParameters
+from fuzzy_navigation.ros.backlog import take_waiting
+
+__all__ = ["EchoListener"]
+
+#: A clock that goes back by more than this [s] was set back; less is jitter on the network.
+CLOCK_RESET: Final = 0.5
+
+
+class EchoListener:
+    """Subscribes to the sonars, and to the turret that carries them.
+
+    Parameters
+    ----------
+    node : Node
+        Whose subscriptions they are.
+    parameters : MotionParameters
+        Sonars and turret.
+    diagnostics : Diagnostics
+        Where refused messages are counted.
+    """
+
+    def __init__(self, node: Node, parameters: MotionParameters, diagnostics: Diagnostics) -> None:
+        self._node = node
+        self._p = parameters
+        self._diagnostics = diagnostics
+        self._assembler = ReadingAssembler(
+            MapperParameters(sonar=parameters.sonar, turret=parameters.turret)
+        )
+        self._sonar = node.create_subscription(Range, names.SONAR, self._on_sonar, qos.RANGES)
+        self._subscriptions = [self._sonar]
+        if parameters.turret.joint:
+            self._subscriptions.append(
+                node.create_subscription(
+                    JointState, names.JOINT_STATES, self._on_joint_state, qos.JOINT_STATES
+                )
+            )
+
+        # What waits then is of another time.
+        self._jump = node.get_clock().create_jump_callback(
+            JumpThreshold(
+                min_forward=None,
+                min_backward=Duration(seconds=-CLOCK_RESET),
+                on_clock_change=False,
+            ),
+            post_callback=lambda _: self._assembler.clear(),
+        )
+
+    def close(self) -> None:
+        """Hear nothing any more."""
+        self._jump.unregister()
+        for subscription in self._subscriptions:
+            self._node.destroy_subscription(subscription)
+
+    def add_pose(self, stamp: float, pose: Pose2) -> None:
+        """Take a pose of the robot and its stamp [s]."""
+        self._assembler.add_pose(stamp, pose, now_seconds(self._node))
+
+    def release(self) -> list[SonarReading]:
+        """Return the readings whose place is known by now, since the last call."""
+        readings = self._assembler.release(now_seconds(self._node))
+        self._diagnostics.follow(names.SONAR, self._assembler.rejected)
+        self._diagnostics.follow(names.JOINT_STATES, self._assembler.turret.rejected)
+        return readings
+
+    def _on_sonar(self, message: Range) -> None:
+        self._take(message)
+        for waiting in take_waiting(self._sonar):
+            self._take(waiting)
+
+    def _take(self, message: Range) -> None:
+        sonar = self._p.sonar
+        try:
+            sample = range_from_msg(message, sonar.frame_ids, sonar.field_of_view, names.SONAR)
+        except Refused as refused:
+            self._diagnostics.reject(names.SONAR, refused.reason, str(refused))
+            return
+        now = now_seconds(self._node)
+        self._assembler.add_range(sample.sensor, sample.stamp, sample.range, now)
+
+    def _on_joint_state(self, message: JointState) -> None:
+        try:
+            sample = joint_position(message, self._p.turret.joint)
+        except Refused as refused:
+            self._diagnostics.reject(names.JOINT_STATES, refused.reason, str(refused))
+            return
+        if sample is not None:
+            self._assembler.add_turret(*sample, now_seconds(self._node))

@@ -1,0 +1,128 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""Everything that the robot's sensors tell of what is close to it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from enum import Enum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzy_map_building.sonar_guard import guard_points
+from fuzzy_map_building.types import InfraredReading, Pose2, SonarReading
+from fuzzy_navigation.clearance import InfraredRing, clearance_at
+from fuzzy_navigation.hit_memory import HitMemory
+from fuzzy_navigation.params import MotionParameters
+
+__all__ = ["Surroundings"]
+
+Points = NDArray[np.float64]
+
+_Phase = Enum("_Phase", ["IDLE", "STANDING", "MOVING"])
+
+
+class Surroundings:
+    """The newest readings of the rings, and with the clearance layer or the guard a memory.
+
+    Parameters
+    ----------
+    parameters : MotionParameters
+        Rings, layer and guard.
+    """
+
+    def __init__(self, parameters: MotionParameters) -> None:
+        self._p = parameters
+        self._ring = InfraredRing(parameters.infrared)
+        self._memory = HitMemory(parameters.infrared)
+        self._phase = _Phase.IDLE
+
+    def clear(self) -> None:
+        """Forget all readings."""
+        self._ring.clear()
+        self._memory.forget()
+
+    def update(
+        self,
+        now: float,
+        pose: Pose2,
+        infrared: Sequence[InfraredReading],
+        sonar: Sequence[SonarReading],
+    ) -> None:
+        """Take what the sensors saw.
+
+        Parameters
+        ----------
+        now : float
+            Time [s].
+        pose : Pose2
+            Where the robot is.
+        infrared : sequence of InfraredReading
+            New readings of the ring.
+        sonar : sequence of SonarReading
+            New readings of the sonars; they count with the guard alone.
+
+        Raises
+        ------
+        ValueError
+            If an infrared's sensor is not one of the ring's; then nothing is taken.
+        """
+        self._ring.update(infrared)
+        layer, guard = self._p.layer, self._p.sonar_guard
+        if self._phase is _Phase.STANDING and (layer.enabled or guard.enabled):
+            self._memory.stand(infrared, sonar)
+        elif self._phase is _Phase.MOVING:
+            limit = self._p.timeout.infrared
+            if guard.enabled:
+                self._guard(sonar, self._ring.present(now, limit), guard.motion_reach)
+            if layer.enabled:
+                self._memory.pass_by(pose, self._ring.hits(now, limit))
+
+    def begin_perception(self) -> None:
+        """Forget what was remembered: the robot stands and looks anew."""
+        self._memory.forget()
+        self._phase = _Phase.STANDING
+
+    def end_perception(self) -> None:
+        """Take short sonar echoes for hits that infrareds do not see; the robot moves on."""
+        self._phase = _Phase.MOVING
+        guard = self._p.sonar_guard
+        if guard.enabled:
+            self._guard(self._memory.sonar, self._memory.infrared, guard.perception_reach)
+
+    def rest(self) -> None:
+        """Remember nothing until the next perception."""
+        self._phase = _Phase.IDLE
+
+    def clearance(self, now: float, pose: Pose2) -> float:
+        """Return the clearance of the body [m] from what the infrareds see now."""
+        return float(clearance_at((pose.x, pose.y), self.seen(now), self._p.robot_radius)[0])
+
+    def silent(self, now: float) -> list[str]:
+        """Return the frames of the infrareds that have not been heard of for too long."""
+        return self._ring.silent(now, self._p.timeout.infrared)
+
+    def seen(self, now: float) -> Points:
+        """Return the hit points (x, y) [m] that the infrareds see now, shape (n, 2)."""
+        return self._ring.hits(now, self._p.timeout.infrared)
+
+    @property
+    def remembered(self) -> Points:
+        """The hit points (x, y) [m] since the perception began, shape (n, 2)."""
+        return self._memory.points if self._p.layer.enabled else self._memory.added
+
+    def known(self, now: float) -> Points:
+        """Return all hit points (x, y) [m] to keep clear of, shape (n, 2)."""
+        return np.vstack([self.seen(now), self.remembered])
+
+    def _guard(
+        self, sonar: Sequence[SonarReading], infrared: Sequence[InfraredReading], reach: float
+    ) -> None:
+        p = self._p
+        if sonar:
+            self._memory.add(
+                guard_points(
+                    sonar, infrared, p.sonar, p.infrared, p.sonar_guard, reach, p.robot_radius
+                )
+            )

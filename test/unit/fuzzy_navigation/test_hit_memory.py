@@ -1,0 +1,188 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""What is remembered of a perception and of the way since, and what is not."""
+
+import math
+
+import numpy as np
+import pytest
+
+from fuzzy_map_building.types import InfraredReading, Pose2, SonarReading
+from fuzzy_navigation.hit_memory import HitMemory
+from fuzzy_navigation.params import InfraredParameters, motion_parameters
+from fuzzy_navigation.surroundings import Surroundings
+
+RADIUS = 0.23
+RING = InfraredParameters()
+
+
+def reading(
+    distance: float, sensor: int = 0, x: float = 1.0, stamp: float = 0.0
+) -> InfraredReading:
+    """A reading of a robot at (x, 2) that looks along the x axis."""
+    return InfraredReading(Pose2(x, 2.0), sensor * math.pi / 8.0, distance, stamp, sensor)
+
+
+def echo(distance: float, sensor: int = 0, turret: float = 0.0, x: float = 1.0) -> SonarReading:
+    bearing = math.radians(22.5 * sensor) + turret
+    return SonarReading(Pose2(x, 2.0), bearing, distance, 0.0, sensor)
+
+
+def ring(x: float, stamp: float, **distances: float) -> list[InfraredReading]:
+    """One sweep; ``s4=0.2`` is what sensor 4 sees."""
+    return [reading(distances.get(f"s{k}", math.inf), k, x, stamp) for k in range(16)]
+
+
+def as_set(points: np.ndarray) -> set[tuple[float, float]]:
+    return {(round(x, 9), round(y, 9)) for x, y in points.tolist()}
+
+
+class TestMemory:
+    def test_a_standing_sensor_counts_by_its_median(self) -> None:
+        memory = HitMemory(RING)
+        for distance in (0.30, 0.28, 0.10, 0.31, math.inf):
+            memory.stand([reading(distance)])
+        assert as_set(memory.points) == {(1.53, 2.0)}
+        memory.stand([reading(0.29)])
+        # Of an even number the nearer of the two in the middle.
+        assert as_set(memory.points) == {(1.52, 2.0)}
+
+    def test_a_sensor_that_mostly_sees_nothing_hits_nothing(self) -> None:
+        memory = HitMemory(RING)
+        for distance in (math.inf, 0.1, math.inf, math.nan, math.inf, 0.7):
+            memory.stand([reading(distance)])
+        assert memory.points.shape == (0, 2)
+        assert [r.range for r in memory.infrared] == [math.inf]
+
+    def test_only_the_newest_sweeps_of_a_long_stand_count(self) -> None:
+        memory = HitMemory(RING)
+        for _ in range(50):
+            memory.stand([reading(0.1)])
+        for _ in range(11):
+            memory.stand([reading(0.4)])
+        assert as_set(memory.points) == {(1.63, 2.0)}
+
+    def test_on_the_way_one_sweep_counts_for_each_cell(self) -> None:
+        memory = HitMemory(RING)
+        memory.stand([reading(math.inf)])
+        for k in range(9):
+            x = 1.0 + 0.04 * k
+            memory.pass_by(Pose2(x, 2.0), np.array([(x, 2.5)]))
+        assert as_set(memory.points) == {(1.12, 2.5), (1.24, 2.5)}
+
+    def test_points_of_a_raster_are_one_and_the_first_stays(self) -> None:
+        memory = HitMemory(RING)
+        memory.add(np.array([(0.0, 1.0), (0.002, 1.001), (0.004, 1.0), (0.0, 1.0)]))
+        assert as_set(memory.points) == {(0.0, 1.0), (0.004, 1.0)}
+
+    def test_the_newest_echo_of_each_sonar_and_stand(self) -> None:
+        memory = HitMemory(RING)
+        stand = math.radians(7.5)
+        memory.stand([], [echo(0.5), echo(0.6, turret=stand), echo(0.7, 3)])
+        memory.stand([], [echo(0.51), echo(0.61, turret=stand + 0.005)])
+        assert sorted(r.range for r in memory.sonar) == [0.51, 0.61, 0.7]
+
+    def test_forgotten_is_everything(self) -> None:
+        memory = HitMemory(RING)
+        memory.stand([reading(0.1)], [echo(0.5)])
+        memory.add(np.array([(0.0, 1.0)]))
+        memory.forget()
+        assert memory.points.shape == memory.added.shape == (0, 2)
+        assert memory.infrared == memory.sonar == []
+        memory.pass_by(Pose2(1.0, 2.0), np.array([(3.0, 3.0)]))
+        assert as_set(memory.points) == {(3.0, 3.0)}
+
+
+LAYER = {"layer.enabled": True}
+GUARD = {"sonar_guard.enabled": True}
+
+
+def around(**overrides: object) -> Surroundings:
+    return Surroundings(motion_parameters(overrides=overrides))
+
+
+class TestSurroundings:
+    def test_without_layer_and_guard_nothing_is_remembered(self) -> None:
+        here = around()
+        here.begin_perception()
+        here.update(1.0, Pose2(1.0, 2.0), ring(1.0, 1.0, s0=0.3), [echo(0.2, 4)])
+        here.end_perception()
+        here.update(2.0, Pose2(1.5, 2.0), ring(1.5, 2.0, s0=0.2), [echo(0.2, 4, x=1.5)])
+        assert here.remembered.shape == (0, 2)
+        assert as_set(here.known(2.0)) == as_set(here.seen(2.0)) == {(1.93, 2.0)}
+
+    def test_the_layer_remembers_perception_and_way(self) -> None:
+        here = around(**LAYER)
+        here.update(0.5, Pose2(1.0, 2.0), ring(1.0, 0.5, s8=0.1), [])  # nobody perceives yet
+        here.begin_perception()
+        here.update(1.0, Pose2(1.0, 2.0), ring(1.0, 1.0, s0=0.3), [])
+        here.end_perception()
+        assert as_set(here.remembered) == {(1.53, 2.0)}
+        here.update(2.0, Pose2(1.05, 2.0), ring(1.05, 2.0, s4=0.2), [])
+        assert as_set(here.remembered) == {(1.53, 2.0)}
+        assert as_set(here.known(2.0)) == {(1.53, 2.0), (1.05, 2.43)}
+        here.update(3.0, Pose2(1.2, 2.0), ring(1.2, 3.0, s4=0.2), [])
+        here.update(4.0, Pose2(1.25, 2.0), ring(1.25, 4.0), [])
+        assert as_set(here.known(4.0)) == {(1.53, 2.0), (1.2, 2.43)}
+        here.begin_perception()
+        assert here.remembered.shape == (0, 2)
+
+    def test_at_rest_nothing_is_remembered(self) -> None:
+        here = around(**LAYER, **GUARD)
+        here.begin_perception()
+        here.end_perception()
+        here.rest()
+        here.update(2.0, Pose2(1.0, 2.0), ring(1.0, 2.0, s4=0.2), [echo(0.1)])
+        assert here.remembered.shape == (0, 2)
+
+    @pytest.mark.parametrize("layer", [True, False])
+    def test_the_guard_at_a_perception(self, layer: bool) -> None:
+        """Ahead glass at 0.5 m that infrareds do not see, on the left a wall that they see."""
+        here = around(**GUARD, **{"layer.enabled": layer})
+        here.begin_perception()
+        for k in range(3):
+            echoes = [echo(0.5), echo(0.2, 4), echo(0.61, 8)]
+            here.update(1.0 + k, Pose2(1.0, 2.0), ring(1.0, 1.0 + k, s4=0.2), echoes)
+        here.end_perception()
+        spread = math.radians(6.0)
+        glass = {
+            (round(1.0 + 0.73 * math.cos(a), 9), round(2.0 + 0.73 * math.sin(a), 9))
+            for a in (0.0, spread, -spread)
+        }
+        assert as_set(here.remembered) == (glass | {(1.0, 2.43)} if layer else glass)
+
+    def test_the_guard_on_the_way_reaches_less_far(self) -> None:
+        here = around(**GUARD)
+        here.begin_perception()
+        here.end_perception()
+        here.update(1.0, Pose2(1.0, 2.0), ring(1.0, 1.0), [echo(0.26)])
+        assert here.remembered.shape == (0, 2)
+        here.update(2.0, Pose2(1.01, 2.0), ring(1.01, 2.0, s0=0.3), [echo(0.24, x=1.01)])
+        assert here.remembered.shape == (0, 2)  # an infrared hit 6 cm farther explains it
+        here.update(3.0, Pose2(1.02, 2.0), ring(1.02, 3.0), [echo(0.24, x=1.02)])
+        assert (1.49, 2.0) in as_set(here.remembered)
+        assert len(here.remembered) == 3
+        here.begin_perception()
+        assert here.remembered.shape == (0, 2)
+
+    def test_an_unknown_infrared_is_refused_with_all_that_came(self) -> None:
+        here = around(**LAYER)
+        here.begin_perception()
+        with pytest.raises(ValueError, match="sensor 16"):
+            here.update(1.0, Pose2(1.0, 2.0), [reading(0.1), reading(0.1, 16)], [])
+        assert here.remembered.shape == here.seen(1.0).shape == (0, 2)
+
+    def test_a_clock_that_steps_back_clears_all(self) -> None:
+        here = around(**LAYER)
+        here.begin_perception()
+        here.update(1.0, Pose2(1.0, 2.0), ring(1.0, 1.0, s0=0.3), [])
+        here.clear()
+        assert here.remembered.shape == here.known(1.0).shape == (0, 2)
+        assert len(here.silent(1.0)) == 16
+
+    def test_clearance_is_of_what_is_seen_now(self) -> None:
+        here = around()
+        assert here.clearance(1.0, Pose2(1.0, 2.0)) == math.inf
+        here.update(1.0, Pose2(1.0, 2.0), ring(1.0, 1.0, s0=0.3), [])
+        assert here.clearance(1.0, Pose2(1.1, 2.0)) == pytest.approx(0.2)
+        assert here.clearance(2.0, Pose2(1.1, 2.0)) == math.inf
