@@ -1,8 +1,7 @@
 # Copyright 2026 The fuzzy navigation maintainers
 # SPDX-License-Identifier: Apache-2.0
-"""Requests in metres: the ladder, the choice of the goal's cell, poses, layers, refusals."""
+"""Requests in metres: the ladder, the choice of the goal's cell, poses, refusals."""
 
-import dataclasses
 import math
 
 import numpy as np
@@ -11,11 +10,9 @@ from scipy import ndimage
 
 from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.types import Pose2
-from fuzzy_navigation.clearance_layer import clearance_layer
-from fuzzy_navigation.params import LayerParameters, PlannerParameters
+from fuzzy_navigation.params import PlannerParameters
 from fuzzy_navigation.planner import MOST_BARRED, MOST_HITS, Planner, PlanStatus
 from fuzzy_navigation.risk import path_risks
-from fuzzy_navigation.search import find_path
 
 GEOMETRY = GridGeometry(40, 30, 0.1, (-1.0, 2.0))
 POINT_ROBOT = {"robot_radius": 0.0}
@@ -256,112 +253,6 @@ def test_barred_cells_of_a_finished_map():
     assert [2, 20] in planner.plan(centre(15, 5), centre(15, 35)).path.tolist()
     planner.set_map(risk)
     assert len(planner.plan(centre(15, 5), centre(15, 35)).path) < 35
-
-
-def layered(risk=None, **parameters):
-    """A planner for a point, so that the map's risks stay in their cells, with the layer on."""
-    values = np.zeros((30, 40)) if risk is None else risk
-    overrides = {"layer": LayerParameters(enabled=True), "robot_radius": 0.0, **parameters}
-    return planner_for(values, **overrides)
-
-
-def wall(row0, row1, column, gap=0.02):
-    """Hit points along a column of cells, from row to row."""
-    x, y0 = centre(row0, column)
-    _, y1 = centre(row1, column)
-    return [(x, y) for y in np.arange(y0, y1 + 1e-9, gap)]
-
-
-def test_hit_points_close_cells_and_cost_nearby():
-    planner = layered(tolerance=0.0, diagonal="sqrt2")
-    start, goal = centre(15, 5), centre(15, 35)
-    free = planner.plan(start, goal)
-    assert free.path[:, 0].tolist() == [15] * 31
-    hits = wall(5, 20, 20)
-    around = planner.plan(start, goal, hits=hits)
-    assert around.alpha == 0.6
-    at_wall = around.path[np.abs(around.path[:, 1] - 20) <= 1]
-    assert at_wall[:, 0].min() >= 21
-    # Exactly where the layer by itself puts a path of least cost.
-    layer = clearance_layer(planner.geometry, np.array(hits), 0.0, LayerParameters())
-    direct = find_path(layer.cost, (15, 5), (15, 35), epsilon=0.2, diagonal="sqrt2", cut=layer.cut)
-    np.testing.assert_array_equal(around.path, direct.path)
-    # The costs that are reported are the map's own; the points are the request's alone.
-    steps = np.abs(np.diff(around.path, axis=0)).sum(axis=1)
-    length = 1.0 + np.where(steps == 2, math.sqrt(2.0), 1.0).sum()
-    assert around.g1 == pytest.approx(0.2 * length)
-    assert planner.plan(start, goal).path.tolist() == free.path.tolist()
-
-
-def test_a_narrow_gap_is_taken_on_a_higher_rung():
-    """Corners 0.16 m apart, passed 4.5 cm beside their line: c = 9.2 cm, mu_I about 0.76."""
-    planner = layered(tolerance=0.0)
-    x, y = centre(15, 20)
-    hits = [(x, y + s * d) for d in np.arange(0.08, 4.0, 0.02) for s in (-1, 1)]
-    result = planner.plan(centre(15, 5), centre(15, 35), hits=hits)
-    assert (result.status, result.alpha) == (PlanStatus.FOUND, 0.8)
-    assert [15, 20] in result.path.tolist()
-    closed = [(x, y + s * d) for d in np.arange(0.0, 4.0, 0.02) for s in (-1, 1)]
-    assert planner.plan(centre(15, 5), centre(15, 35), hits=closed).status is PlanStatus.NO_PATH
-
-
-def test_hit_points_without_the_layer_do_not_count():
-    planner = planner_for(np.zeros((30, 40)), tolerance=0.0)
-    start, goal = centre(15, 5), centre(15, 35)
-    with_hits = planner.plan(start, goal, hits=wall(5, 20, 20))
-    assert with_hits.path.tolist() == planner.plan(start, goal).path.tolist()
-
-
-def two_doors(far_risk=0.0, near_risk=0.65):
-    """A wall along column 20 with a near door of some risk and a free one far away."""
-    risk = np.zeros((30, 40))
-    risk[:, 20] = 1.0
-    risk[15, 20] = near_risk
-    risk[1, 20] = far_risk
-    return risk
-
-
-@pytest.mark.parametrize("cost", ["g1", "g2"])
-@pytest.mark.parametrize("factor", [1.0, 1.2, 1.5, 3.0])
-def test_the_lowest_rung_that_is_not_much_dearer(cost, factor):
-    risk = two_doors()
-    planner = layered(risk, rung_choice="cheapest", rung_factor=factor, cost=cost, tolerance=0.0)
-    start, goal = centre(15, 15), centre(15, 25)
-    result = planner.plan(start, goal)
-    costs, paths = [], []
-    for rung in (0.6, 0.7, 0.8, 0.9, 1.0):
-        found = find_path(risk, (15, 15), (15, 25), cost, rung, epsilon=0.2)
-        costs.append(getattr(found, cost))
-        paths.append(found.path)
-    k = next(k for k in range(5) if costs[k] <= factor * min(costs))
-    assert result.alpha == (0.6, 0.7, 0.8, 0.9, 1.0)[k]
-    assert result.path.tolist() == paths[k].tolist()
-    assert layered(risk, cost=cost, tolerance=0.0).plan(start, goal).alpha == 0.6
-    if k:
-        assert "much dearer one at alpha 0.6" in result.message
-
-
-def test_the_rung_choice_makes_a_difference_in_these_rooms():
-    start, goal = centre(15, 15), centre(15, 25)
-    planner = layered(two_doors(), rung_choice="cheapest", cost="g1", tolerance=0.0)
-    assert planner.plan(start, goal).alpha == 0.7
-    planner.parameters = dataclasses.replace(planner.parameters, rung_factor=10.0)
-    assert planner.plan(start, goal).alpha == 0.6
-    planner.set_map(two_doors(far_risk=1.0))
-    assert planner.plan(start, goal).message.endswith("none at alpha 0.6")
-    # An alpha that is asked for is used alone.
-    assert planner.plan(start, goal, alpha=0.9).alpha == 0.9
-
-
-def test_hit_points_count_in_the_choice_of_the_rung():
-    """A door that is free in the map but narrow to the sensors is dearer than it looks."""
-    risk = two_doors(near_risk=0.0)
-    x, y = centre(15, 20)
-    hits = [(x, y - 0.1), (x, y + 0.1)]
-    planner = layered(risk, rung_choice="cheapest", cost="g1", tolerance=0.0)
-    start, goal = centre(15, 15), centre(15, 25)
-    assert planner.plan(start, goal).alpha == 0.6
-    assert planner.plan(start, goal, hits=hits).alpha == 0.7
 
 
 def test_new_parameters_hold_from_the_next_request_on():
