@@ -177,7 +177,7 @@ class Mission:
         self._record.pass_by(pose, self._around.clearance(now, pose))
         commands = self._watch()
         if self._state is _State.MOVING:
-            commands += self._drive(pose, self._around.known(now), dt)
+            commands += self._drive(pose, dt)
         else:
             self._hold.end()
             if self._state is _State.WAITING:
@@ -355,12 +355,13 @@ class Mission:
         self._motion.begin(self._here, path, self._record.goal, reach, relaxed, hits)
         return self._stopped() if self._motion.stopped is not None else []
 
-    def _drive(self, pose: Pose2, hits: NDArray[np.float64], dt: float) -> list[Command]:
-        silent = self._around.silent(self._time.clock)
+    def _drive(self, pose: Pose2, dt: float) -> list[Command]:
+        around, now = self._around, self._time.clock
+        silent = around.silent(now)
         if silent:
             return self._stand(f"no readings from {', '.join(silent)}")
         self._hold.end()
-        v, omega = self._motion.step(pose, hits, dt)
+        v, omega = self._motion.step(pose, around.known(now), dt, around.suspected(now))
         if self._motion.stopped is not None:
             return self._stopped()
         if self._motion.stuck:

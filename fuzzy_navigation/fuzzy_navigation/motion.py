@@ -33,6 +33,8 @@ PASSED = 0.01
 ADVANCE = 0.01
 #: What another place in a cell ahead must be better by for a robot on its way to take it [m].
 BETTER = 0.01
+#: No points.
+NOTHING = np.empty((0, 2))
 #: Speed that is allowed at any clearance [m/s].
 LEAST_SPEED = 0.1
 
@@ -212,7 +214,13 @@ class Motion:
         """Take note that the robot was commanded to stand at once."""
         self._follower.halt()
 
-    def step(self, pose: Pose2, hits: NDArray[np.float64], dt: float) -> tuple[float, float]:
+    def step(
+        self,
+        pose: Pose2,
+        hits: NDArray[np.float64],
+        dt: float,
+        suspected: NDArray[np.float64] = NOTHING,
+    ) -> tuple[float, float]:
         """Return the command of one tick, speed [m/s] and turning rate [rad/s].
 
         Parameters
@@ -223,6 +231,8 @@ class Motion:
             Hit points [m] to keep clear of.
         dt : float
             Time since the last tick [s].
+        suspected : ndarray of float64, shape (m, 2)
+            Points [m] that the robot must be able to stop short of, should they prove true.
         """
         follower = self._follower
         self._stalled += dt
@@ -231,6 +241,8 @@ class Motion:
         if self._p.subcell_target and self.passed > self._aimed_at and self._stopping is None:
             self._aim_again(pose, hits)
         stop_at, max_speed = self._limits(pose, hits, dt)
+        if len(suspected) > 0:
+            max_speed = min(max_speed, self._wary_speed(pose, suspected, dt))
         if self._stopping is not None:
             stop_at = -math.inf
         v, omega = follower.step(pose, dt, stop_at=stop_at, max_speed=max_speed)
@@ -272,6 +284,13 @@ class Motion:
         self._before += self._follower.progress
         self._first = self._aimed_at
         self._follower.follow(np.vstack([(pose.x, pose.y), self._targets[ahead]]), moving=True)
+
+    def _wary_speed(self, pose: Pose2, suspected: NDArray[np.float64], dt: float) -> float:
+        """Return the speed [m/s] from which the robot stops at its least clearance."""
+        clearance = clearance_at((pose.x, pose.y), suspected, self._p.robot_radius)[0]
+        room = float(clearance) - self._p.clearance.limit
+        deceleration = BRAKING_PART * self._p.follower.linear_acceleration
+        return max(LEAST_SPEED, approach_speed(room, deceleration, 2.0 * dt))
 
     def _stop(self, reason: Stop) -> None:
         if self._stopping is None:

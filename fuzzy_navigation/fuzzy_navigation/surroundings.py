@@ -36,12 +36,14 @@ class Surroundings:
         self._p = parameters
         self._ring = InfraredRing(parameters.infrared)
         self._memory = HitMemory(parameters.infrared)
+        self._echoes: dict[int, SonarReading] = {}
         self._phase = _Phase.IDLE
 
     def clear(self) -> None:
         """Forget all readings."""
         self._ring.clear()
         self._memory.forget()
+        self._echoes.clear()
 
     def update(
         self,
@@ -75,7 +77,9 @@ class Surroundings:
         elif self._phase is _Phase.MOVING:
             limit = self._p.timeout.infrared
             if guard.enabled:
-                self._guard(sonar, self._ring.present(now, limit), guard.motion_reach)
+                self._echoes.update((echo.sensor, echo) for echo in sonar)
+                present = self._ring.present(now, limit)
+                self._memory.add(self._unseen(sonar, present, guard.motion_reach))
             if layer.enabled:
                 self._memory.pass_by(pose, self._ring.hits(now, limit))
 
@@ -87,9 +91,10 @@ class Surroundings:
     def end_perception(self) -> None:
         """Take short sonar echoes for hits that infrareds do not see; the robot moves on."""
         self._phase = _Phase.MOVING
-        guard = self._p.sonar_guard
+        self._echoes.clear()
+        memory, guard = self._memory, self._p.sonar_guard
         if guard.enabled:
-            self._guard(self._memory.sonar, self._memory.infrared, guard.perception_reach)
+            memory.add(self._unseen(memory.sonar, memory.infrared, guard.perception_reach))
 
     def rest(self) -> None:
         """Remember nothing until the next perception."""
@@ -116,13 +121,23 @@ class Surroundings:
         """Return all hit points (x, y) [m] to keep clear of, shape (n, 2)."""
         return np.vstack([self.seen(now), self.remembered])
 
-    def _guard(
-        self, sonar: Sequence[SonarReading], infrared: Sequence[InfraredReading], reach: float
-    ) -> None:
+    def suspected(self, now: float) -> Points:
+        """Return points (x, y) [m] that sonars hear and infrareds do not see, shape (n, 2).
+
+        On the way such echoes count as hits only from close by, for many come from elsewhere.
+        Up to there the robot has to be slow enough to stop.
+        """
         p = self._p
-        if sonar:
-            self._memory.add(
-                guard_points(
-                    sonar, infrared, p.sonar, p.infrared, p.sonar_guard, reach, p.robot_radius
-                )
-            )
+        if not p.sonar_guard.enabled:
+            return np.empty((0, 2))
+        limit = p.timeout.infrared
+        echoes = [echo for echo in self._echoes.values() if now - echo.stamp <= limit]
+        return self._unseen(echoes, self._ring.present(now, limit), p.sonar_guard.perception_reach)
+
+    def _unseen(
+        self, sonar: Sequence[SonarReading], infrared: Sequence[InfraredReading], reach: float
+    ) -> Points:
+        p = self._p
+        return guard_points(
+            sonar, infrared, p.sonar, p.infrared, p.sonar_guard, reach, p.robot_radius
+        )

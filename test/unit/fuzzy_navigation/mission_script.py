@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy_map_building.grid import GridGeometry
-from fuzzy_map_building.types import InfraredReading, Pose2
+from fuzzy_map_building.types import InfraredReading, Pose2, SonarReading
 from fuzzy_navigation.mission import Mission
 from fuzzy_navigation.mission_types import Command, Commands, Drive, Finish, Perceive, Plan
 from fuzzy_navigation.params import MotionParameters, motion_parameters
@@ -40,6 +40,20 @@ def wall_at(x_wall: float) -> Seen:
     return seen
 
 
+def corridor(y_low: float, y_high: float, x_from: float = -math.inf) -> Seen:
+    """Return what sensors see of two walls along x that begin somewhere."""
+
+    def seen(x: float, y: float, direction: float) -> float:
+        up = math.sin(direction)
+        if abs(up) <= 1e-9:
+            return math.inf
+        distance = ((y_high if up > 0.0 else y_low) - y) / up
+        hit = x + distance * math.cos(direction)
+        return distance if distance <= 0.6 and hit >= x_from else math.inf
+
+    return seen
+
+
 def cells_along(*corners: tuple[float, float]) -> list[Pose2]:
     """Return the centres of the cells on straight or diagonal runs between corners [m]."""
     cells = [GEOMETRY.cell_of(*corners[0])]
@@ -60,6 +74,8 @@ class Script:
         self.now = 100.0
         self.pose = Pose2(1.05, 2.05, 0.0)
         self.seen: Seen = nothing
+        #: What 16 sonars see, with the infrareds' bearings, out to 3 m.
+        self.heard: Seen | None = None
         self.risk: NDArray[np.float64] = np.zeros(GEOMETRY.shape)
         self.commands: list[Command] = []
         self.poses: list[Pose2] = []
@@ -70,6 +86,18 @@ class Script:
 
     def start(self, x: float = 3.05, y: float = 2.05, tolerance: float = 0.0) -> Commands:
         return self.take(self.mission.start(self.now, (x, y), tolerance))
+
+    def sonar(self) -> list[SonarReading]:
+        if self.heard is None:
+            return []
+        readings = []
+        for k in range(16):
+            direction = self.pose.theta + k * math.pi / 8.0
+            x = self.pose.x + RADIUS * math.cos(direction)
+            y = self.pose.y + RADIUS * math.sin(direction)
+            distance = self.heard(x, y, direction)
+            readings.append(SonarReading(self.pose, k * math.pi / 8.0, distance, self.now, k))
+        return readings
 
     def infrared(self) -> list[InfraredReading]:
         readings = []
@@ -84,9 +112,8 @@ class Script:
     def tick(self, infrared: bool = True) -> Commands:
         """Let a tick pass: the robot moves as told before, then its pose is told."""
         self.now += DT
-        commands = self.take(
-            self.mission.on_pose(self.now, self.pose, self.infrared() if infrared else ())
-        )
+        seen = self.infrared() if infrared else ()
+        commands = self.take(self.mission.on_pose(self.now, self.pose, seen, self.sonar()))
         self.poses.append(self.pose)
         for command in commands:
             if isinstance(command, Drive):
@@ -125,6 +152,7 @@ class Script:
         """Start for the last corner, perceive and plan: the robot is about to move."""
         self.tick()
         commands = self.start(*corners[-1])
+        self.tick()
         here = (self.pose.x, self.pose.y)
         return self.plan(self.perceive(commands), cells_along(here, *corners), alpha)
 

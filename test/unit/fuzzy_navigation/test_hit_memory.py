@@ -23,9 +23,11 @@ def reading(
     return InfraredReading(Pose2(x, 2.0), sensor * math.pi / 8.0, distance, stamp, sensor)
 
 
-def echo(distance: float, sensor: int = 0, turret: float = 0.0, x: float = 1.0) -> SonarReading:
+def echo(
+    distance: float, sensor: int = 0, turret: float = 0.0, x: float = 1.0, stamp: float = 0.0
+) -> SonarReading:
     bearing = math.radians(22.5 * sensor) + turret
-    return SonarReading(Pose2(x, 2.0), bearing, distance, 0.0, sensor)
+    return SonarReading(Pose2(x, 2.0), bearing, distance, stamp, sensor)
 
 
 def ring(x: float, stamp: float, **distances: float) -> list[InfraredReading]:
@@ -164,6 +166,30 @@ class TestSurroundings:
         assert len(here.remembered) == 3
         here.begin_perception()
         assert here.remembered.shape == (0, 2)
+
+    def test_echoes_on_the_way_are_suspected_before_they_count(self) -> None:
+        here = around(**GUARD)
+        here.begin_perception()
+        here.update(0.5, Pose2(1.0, 2.0), ring(1.0, 0.5), [echo(0.5)])
+        assert here.suspected(0.5).shape == (0, 2)  # the robot stands
+        here.end_perception()
+        assert here.suspected(0.5).shape == (0, 2)
+        echoes = [echo(0.55, stamp=1.0), echo(0.5, 4, stamp=1.0)]
+        here.update(1.0, Pose2(1.0, 2.0), ring(1.0, 1.0, s4=0.5), echoes)
+        assert len(here.suspected(1.0)) == 3
+        assert as_set(here.suspected(1.0)) >= {(1.78, 2.0)}
+        assert len(here.remembered) == 3  # of the perception
+        # The newest of a sonar counts, for half a second.
+        newer = [echo(0.4, x=1.1, stamp=1.2)]
+        here.update(1.2, Pose2(1.1, 2.0), ring(1.1, 1.2, s4=0.5), newer)
+        assert as_set(here.suspected(1.2)) >= {(1.73, 2.0)}
+        assert len(here.suspected(1.2)) == 3
+        assert here.suspected(1.8).shape == (0, 2)
+        unguarded = around(**LAYER)
+        unguarded.begin_perception()
+        unguarded.end_perception()
+        unguarded.update(1.0, Pose2(1.0, 2.0), ring(1.0, 1.0), [echo(0.3, stamp=1.0)])
+        assert unguarded.suspected(1.0).shape == (0, 2)
 
     def test_an_unknown_infrared_is_refused_with_all_that_came(self) -> None:
         here = around(**LAYER)
