@@ -158,18 +158,23 @@ def beta_cut(risk: NDArray[np.float64], beta: float) -> NDArray[np.bool_]:
 
 
 def path_risks(
-    mu: NDArray[np.float64], path: NDArray[np.int64], diagonal: str = "unit"
+    mu: NDArray[np.float64],
+    path: NDArray[np.int64],
+    diagonal: str = "unit",
+    epsilon: float = 0.0,
 ) -> tuple[float, float, float]:
     """Return the costs g1, g2, g3 of a path (paper, section IV-A1).
 
     Parameters
     ----------
     mu : ndarray of float64, shape (H, W)
-        Risk of each cell, the constant epsilon included.
+        Risk of each cell.
     path : ndarray of int64, shape (n, 2)
         Adjacent cells (row, column).
     diagonal : {"unit", "sqrt2"}
         Weight of a cell that is entered diagonally, in g1 and g2.
+    epsilon : float
+        Constant added to every risk, where `mu` does not hold it already.
 
     Returns
     -------
@@ -183,7 +188,7 @@ def path_risks(
     """
     if len(path) == 0:
         raise ValueError("a path has at least one cell, got none")
-    risks = mu[path[:, 0], path[:, 1]]
+    risks = mu[path[:, 0], path[:, 1]] + epsilon
     weights = np.ones(len(path))
     steps = np.abs(np.diff(path, axis=0)).sum(axis=1)
     weights[1:][steps == 2] = diagonal_factor(diagonal)

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage
 
-from fuzzy_navigation.kernels import best_first, trace
+from fuzzy_navigation.cost_field import cost_field
 from fuzzy_navigation.risk import (
     alpha_cut,
     checked_risk,
@@ -30,14 +30,12 @@ from fuzzy_navigation.risk import (
     path_risks,
     real_numbers,
 )
+from fuzzy_navigation.workspace import Workspace
 
 __all__ = ["COSTS", "SearchResult", "admissible_cells", "find_path", "first_reachable", "warm_up"]
 
 #: Path costs, and the algorithms that minimise them: A1, A2, A3.
 COSTS = ("g1", "g2", "g3")
-
-# Below this least risk the heuristic says nothing and weights are not normalised.
-_LEAST_RISK = 1e-9
 
 
 @dataclass(frozen=True)
@@ -78,6 +76,7 @@ def find_path(
     corner_cutting: bool = True,
     cut: ArrayLike | None = None,
     barred: ArrayLike | None = None,
+    workspace: Workspace | None = None,
 ) -> SearchResult:
     """Return a path of least cost among the admissible cells.
 
@@ -105,6 +104,8 @@ def find_path(
         What is compared with alpha instead of `risk`; may exceed 1.
     barred : array_like of bool, shape (H, W), optional
         Cells that are not admissible whatever their risk.
+    workspace : Workspace, optional
+        Arrays to work in, for who searches often; without it they are made anew.
 
     Returns
     -------
@@ -133,29 +134,19 @@ def find_path(
     admissible = admissible_cells(values if cut is None else cut, alpha, barred, values.shape)
     admissible[first] = True
 
-    mu = values + epsilon
-    if first == last:
-        path = np.array([first], dtype=np.int64)
-        return SearchResult(True, path, *path_risks(mu, path, diagonal), 0)
-    if not admissible[last]:
-        return _no_path(0)
-    weight, heuristic = _weights(mu, admissible, cost)
-    width = values.shape[1]
-    origin, target = first[0] * width + first[1], last[0] * width + last[1]
-    arrival, expanded = best_first(
-        weight,
-        origin,
-        target,
-        int(adjacency),
-        factor,
-        bool(corner_cutting),
-        cost == "g3",
-        heuristic,
-    )
-    if arrival[target] < 0:
-        return _no_path(expanded)
-    path = trace(arrival, width, origin, target)
-    return SearchResult(True, path, *path_risks(mu, path, diagonal), expanded)
+    path = np.array([first], dtype=np.int64)
+    expanded = 0
+    if first != last:
+        if not admissible[last]:
+            return _no_path(0)
+        field = cost_field(values, admissible, float(epsilon), cost)
+        room = workspace if workspace is not None else Workspace()
+        path, expanded = room.search(
+            field, first, last, int(adjacency), factor, bool(corner_cutting)
+        )
+        if len(path) == 0:
+            return _no_path(expanded)
+    return SearchResult(True, path, *path_risks(values, path, diagonal, float(epsilon)), expanded)
 
 
 def admissible_cells(
@@ -244,30 +235,12 @@ def first_reachable(
 def warm_up() -> None:
     """Compile the kernels, or load them from the cache, so that no later call has to."""
     find_path(np.zeros((2, 2)), (0, 0), (1, 1))
+    find_path(np.full((2, 2), 0.001), (0, 0), (1, 1))  # no hundredths: costs without a table
 
 
 def _no_path(expanded: int) -> SearchResult:
     empty = np.empty((0, 2), dtype=np.int64)
     return SearchResult(False, empty, math.inf, math.inf, math.inf, expanded)
-
-
-def _weights(
-    mu: NDArray[np.float64], admissible: NDArray[np.bool_], cost: str
-) -> tuple[NDArray[np.float64], float]:
-    """Return the cost of entering each cell, and that of a heuristic's straight step.
-
-    A1 and A2 work on mu / mu_min and its square: a constant factor changes no path, and
-    uniform risks become exactly 1, so that sums, ties and paths are the same for both.
-    """
-    if cost == "g3":
-        return np.where(admissible, mu, np.inf), 0.0  # h = 0 (section IV-A2)
-    least = float(mu.min(where=admissible, initial=math.inf))
-    informed = least >= _LEAST_RISK
-    weight = mu / least if informed else mu.copy()
-    if cost == "g2":
-        weight *= weight
-    weight[~admissible] = np.inf
-    return weight, 1.0 if informed else 0.0
 
 
 def _cell(cell: tuple[int, int], shape: tuple[int, ...], name: str) -> tuple[int, int]:

@@ -14,6 +14,7 @@ import pytest
 from fuzzy_map_building.jit import compiled
 from fuzzy_navigation import kernels
 from fuzzy_navigation.search import admissible_cells, find_path, warm_up
+from fuzzy_navigation.workspace import Workspace
 
 # Prints what searches on a few maps return; run with and without compilation.
 SEARCHES = """
@@ -34,6 +35,8 @@ for size in (2, 9, 25):
                 risk[rng.integers(size), size // 2] = 0.1
                 r = find_path(risk, (0, 0), (size - 1, size + 2), cost, 0.9, adjacency,
                               diagonal=diagonal, corner_cutting=size != 9)
+                out.append([r.path.tolist(), repr(r.g1), repr(r.g2), repr(r.g3), r.expanded])
+                r = find_path(risk.round(2), (0, 0), (size - 1, size + 2), cost, 0.9, adjacency)
                 out.append([r.path.tolist(), repr(r.g1), repr(r.g2), repr(r.g3), r.expanded])
 print(json.dumps([compiled(), out]))
 """
@@ -241,6 +244,30 @@ def test_bad_input_is_refused(arguments, options, words):
         find_path(*arguments, **options)
 
 
+def test_a_workspace_serves_any_number_of_searches():
+    """Maps of all sizes, with and without a path, some with more open cells than it has room."""
+    workspace = Workspace()
+    rng = np.random.default_rng(8)
+    found = 0
+    for size in (3, 40, 7, 120, 120, 40, 2):
+        for decimals in (2, 15):
+            risk = (rng.random((size, size + 1)) ** 3).round(decimals)
+            request = (risk, (0, 0), (size - 1, size), ("g1", "g2", "g3")[found % 3], 0.5)
+            kept, fresh = find_path(*request, workspace=workspace), find_path(*request)
+            assert kept.path.tolist() == fresh.path.tolist()
+            assert (kept.g2, kept.expanded) == (fresh.g2, fresh.expanded)
+            found += kept.found
+    assert found > 8
+
+
+def test_memory_of_a_search():
+    """Bytes a cell beside the map: state, cost, length, and what the open cells need."""
+    workspace = Workspace()
+    risk = np.random.default_rng(2).random((500, 400))
+    find_path(risk, (0, 0), (499, 399), alpha=1.0, workspace=workspace)
+    assert 13 * risk.size < workspace.nbytes < 15 * risk.size
+
+
 def test_admissible_cells_takes_its_shape_from_the_map():
     assert admissible_cells([[0.5, 0.7]], 0.6).tolist() == [[True, False]]
     assert admissible_cells(np.zeros((0, 3)), 0.6).shape == (0, 3)
@@ -258,4 +285,4 @@ def test_nothing_is_compiled_after_warm_up():
                 find_path(risk, (0, 0), (9, 9), cost, 1, adjacency, epsilon=1, diagonal=diagonal)
     find_path(np.ones((10, 10), dtype=np.uint8), (0, 0), (9, 9), alpha=1)
     assert [len(kernels.best_first.signatures), len(kernels.trace.signatures)] == before
-    assert before == [1, 1]
+    assert before == [2, 1]  # costs by a table, and costs as they are

@@ -1,0 +1,132 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""What it costs to enter each cell, in the layout that the search reads.
+
+A map whose risks are hundredths, as all that come in occupancy grids are, is kept as one
+byte a cell and a table of costs: the search then reads an eighth of the memory. Costs are
+the same float64 numbers either way.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["HUNDREDTHS", "NO_ENTRY", "CostField", "cost_field"]
+
+#: Risks that have a code: their number is the code.
+HUNDREDTHS = np.arange(101) / 100.0
+#: Code of a cell that must not be entered.
+NO_ENTRY = 127
+
+# Below this least risk the heuristic says nothing and weights are not normalised.
+_LEAST_RISK = 1e-9
+# Cells that are worked on at a time: their intermediate values stay in a processor's cache.
+_BLOCK = 1 << 15
+
+
+@dataclass(frozen=True)
+class CostField:
+    """Cost of entering each cell.
+
+    Parameters
+    ----------
+    cells : ndarray of int8 or float64, shape (H + 2, W + 2)
+        The cost, or its index in `table`; the border must not be entered.
+    table : ndarray of float64, shape (128,)
+        Costs by code, infinite for `NO_ENTRY`.
+    coded : bool
+        Whether `cells` holds codes.
+    heuristic : float
+        No less than this a straight step costs; 0 where that is not known.
+    most : float
+        No more than this a straight step costs.
+    bottleneck : bool
+        Whether a path costs the largest of its cells' costs (A3) rather than their sum.
+    """
+
+    cells: NDArray[np.int8] | NDArray[np.float64]
+    table: NDArray[np.float64]
+    coded: bool
+    heuristic: float
+    most: float
+    bottleneck: bool
+
+
+def cost_field(
+    risk: NDArray[np.float64], admissible: NDArray[np.bool_], epsilon: float, cost: str
+) -> CostField:
+    """Return what it costs to enter each cell.
+
+    Parameters
+    ----------
+    risk : ndarray of float64, shape (H, W)
+        Risks in [0, 1].
+    admissible : ndarray of bool, shape (H, W)
+        Cells that may be entered, at least one.
+    epsilon : float
+        Added to every risk.
+    cost : {"g1", "g2", "g3"}
+        What a path costs.
+
+    Notes
+    -----
+    A1 and A2 work on mu / mu_min and its square: a constant factor changes no path, and
+    uniform risks become exactly 1, so that sums, ties and paths are the same for both.
+    """
+    codes = _codes(risk, admissible)
+    table = np.full(NO_ENTRY + 1, math.inf)
+    if codes is not None:
+        least = float(HUNDREDTHS[codes.min()]) + epsilon
+        table[: len(HUNDREDTHS)] = _weights(HUNDREDTHS + epsilon, least, cost)
+        cells: NDArray[np.int8] | NDArray[np.float64] = codes
+    else:
+        cells, least = _exact(risk, admissible, epsilon)
+        for rows in _blocks(cells):
+            cells[rows] = _weights(cells[rows], least, cost)
+    informed = cost != "g3" and least >= _LEAST_RISK
+    most = float(_weights(np.array([1.0 + epsilon]), least, cost)[0])
+    return CostField(cells, table, codes is not None, float(informed), most, cost == "g3")
+
+
+def _weights(mu: NDArray[np.float64], least: float, cost: str) -> NDArray[np.float64]:
+    if cost == "g3":
+        return mu  # h = 0 (section IV-A2)
+    weights = mu / least if least >= _LEAST_RISK else mu
+    return weights * weights if cost == "g2" else weights
+
+
+def _blocks(values: NDArray[np.int8] | NDArray[np.float64]) -> list[slice]:
+    """Return slices that part the rows."""
+    step = max(1, _BLOCK // values.shape[1])
+    return [slice(row, row + step) for row in range(0, len(values), step)]
+
+
+def _codes(risk: NDArray[np.float64], admissible: NDArray[np.bool_]) -> NDArray[np.int8] | None:
+    """Return the codes of a map with its border, None if its risks are no hundredths."""
+    codes = np.full((risk.shape[0] + 2, risk.shape[1] + 2), NO_ENTRY, np.int8)
+    for rows in _blocks(risk):
+        hundredths = np.rint(risk[rows] * 100.0)
+        if not (hundredths / 100.0 == risk[rows]).all():
+            return None
+        inner = codes[1:-1, 1:-1][rows]
+        np.copyto(inner, hundredths, casting="unsafe", where=admissible[rows])
+    return codes
+
+
+def _exact(
+    risk: NDArray[np.float64], admissible: NDArray[np.bool_], epsilon: float
+) -> tuple[NDArray[np.float64], float]:
+    """Return risks with epsilon and border, and the least of them."""
+    out = np.empty((risk.shape[0] + 2, risk.shape[1] + 2))
+    out[0] = out[-1] = math.inf
+    out[:, 0] = out[:, -1] = math.inf
+    least = math.inf
+    for rows in _blocks(risk):
+        mu = np.where(admissible[rows], risk[rows] + epsilon, math.inf)
+        least = min(least, float(mu.min()))
+        out[1:-1, 1:-1][rows] = mu
+    return out, least
