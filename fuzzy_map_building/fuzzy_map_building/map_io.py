@@ -46,22 +46,27 @@ class MapFileError(ValueError):
 def atomic_write(path: Path) -> Iterator[IO[bytes]]:
     """Open a file for writing that appears at `path` only when it is complete.
 
+    A symbolic link stays one: what appears is the file that it leads to.
+
     Raises
     ------
     MapFileError
         If it cannot be written; what was at `path` before is then still there.
     """
-    temporary = path.with_name(f".{path.name[:100]}.{secrets.token_hex(8)}.tmp")
+    target = Path(os.path.realpath(path))
+    if target.is_symlink():
+        raise MapFileError(f"cannot write '{path}': the symbolic link leads back to itself")
+    temporary = target.with_name(f".{target.name[:100]}.{secrets.token_hex(8)}.tmp")
     try:
         try:
             with open(temporary, "xb") as file:
                 yield file
                 file.flush()
                 os.fsync(file.fileno())
-            os.replace(temporary, path)
+            os.replace(temporary, target)
         finally:
             temporary.unlink(missing_ok=True)
-        folder = os.open(path.parent, os.O_RDONLY)
+        folder = os.open(target.parent, os.O_RDONLY)
         try:
             os.fsync(folder)  # the new name itself survives a power failure
         finally:
@@ -76,7 +81,7 @@ def save_map(path: str | Path, state: MapState) -> None:
     Parameters
     ----------
     path : str or Path
-        The file; its folder must exist.
+        The file; its folder must exist. Of a symbolic link, the file that it leads to.
     state : MapState
         What `FuzzyMapper.state` returns.
 

@@ -278,6 +278,7 @@ def test_save_restart_and_load_restore_the_exact_state(
     path = str(tmp_path / "lab.fuzzy")
     answer = module_probe.call(MapFile, names.SAVE_MAP, MapFile.Request(path=path))
     assert answer.success, answer.message
+    assert answer.message == f"2 perceptions saved to {path}"
     saved = load_map(path)
     core = expected_map()
     np.testing.assert_allclose(saved.empty, core.empty, atol=1e-9)  # mean of twice the same

@@ -150,8 +150,9 @@ def test_bad_maps_are_refused_and_the_good_one_stays(scene: Scene) -> None:
         message.data = []
 
     unknown = grid_to_msg(np.full(GEOMETRY.shape, -1, np.int8), GEOMETRY, stamp)
-    reasons = ["wrong_frame", "rotated", "size", "geometry", "unknown"]
-    messages = [*map(broken, (set_frame, turn, shrink, empty)), unknown]
+    future = grid_to_msg(wall, GEOMETRY, stamp_from_seconds(scene.robot.time + 1000.0))
+    reasons = ["wrong_frame", "rotated", "size", "geometry", "unknown", "future"]
+    messages = [*map(broken, (set_frame, turn, shrink, empty)), unknown, future]
     for reason, message in zip(reasons, messages, strict=True):
         maps.publish(message)
         scene.counts(**{f"motion_map__{reason}": 1})

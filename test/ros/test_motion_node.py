@@ -15,6 +15,7 @@ from fuzzy_msgs.action import Navigate
 from fuzzy_msgs.srv import PlanPath
 from geometry_msgs.msg import PoseStamped
 from rcl_interfaces.srv import SetParameters
+from rclpy.action import ActionClient
 from rclpy.parameter import Parameter
 
 from fuzzy_map_building.ros import names, qos
@@ -153,6 +154,27 @@ def test_a_newer_goal_takes_the_place_of_the_older(scene: Scene) -> None:
     assert "newer goal" in answer.result.message
     assert scene.result(second).result.outcome == RESULT.REACHED
     assert math.hypot(scene.robot.x - 1.5, scene.robot.y - 2.0) < 0.3
+
+
+def test_every_goal_of_a_burst_is_answered(scene: Scene) -> None:
+    """Many more than the ten requests that wait by ROS's default."""
+    node = scene.probe.node
+    client = ActionClient(
+        node,
+        Navigate,
+        names.NAVIGATE,
+        goal_service_qos_profile=qos.REQUESTS,
+        result_service_qos_profile=qos.REQUESTS,
+    )
+    wait_until(client.server_is_ready, "the action")
+    goals = [Navigate.Goal(goal=goal_at(2.0 + 0.01 * k, 2.0)) for k in range(60)]
+    sent = scene.probe.run(lambda: [client.send_goal_async(goal) for goal in goals])
+    handles = [scene.probe.result_of(future, "an answer to the goal") for future in sent]
+    assert all(handle.accepted for handle in handles)
+    asked = scene.probe.run(lambda: [handle.get_result_async() for handle in handles])
+    results = [scene.probe.result_of(future, "a verdict", 30.0).result for future in asked]
+    assert [r.outcome for r in results] == [RESULT.CANCELED] * 59 + [RESULT.REACHED]
+    assert math.hypot(scene.robot.x - 2.59, scene.robot.y - 2.0) < 0.3
 
 
 def test_the_topic_goal_pose_does_the_same(scene: Scene) -> None:

@@ -23,7 +23,7 @@ from fuzzy_map_building.ros import names, qos
 from fuzzy_map_building.ros.conversions import path_from_msg
 from fuzzy_navigation.params import PlannerParameters, planner_parameters
 from fuzzy_navigation.planner import Planner, PlanStatus
-from ros.harness import NodeProcess, Probe
+from ros.harness import NodeProcess, Probe, wait_until
 from ros.planner_driver import GEOMETRY, GOAL, START, Driver, at, map_message, request, world
 
 
@@ -122,6 +122,16 @@ def test_get_plan_answers_an_empty_path_when_there_is_none(planner: Driver) -> N
     assert not planner.probe.call(GetPlan, names.GET_PLAN, asked).plan.poses
     planner.process.wait_for_output("the goal (50.00, 50.00) m lies outside the map")
     assert not planner.plans.messages
+
+
+def test_every_request_of_a_burst_is_answered(planner: Driver) -> None:
+    """Many more than the ten requests that wait by ROS's default."""
+    client = planner.probe.node.create_client(PlanPath, names.PLAN_PATH, qos_profile=qos.REQUESTS)
+    wait_until(client.service_is_ready, "the service")
+    sent = planner.probe.run(lambda: [client.call_async(request()) for _ in range(60)])
+    answers = [planner.probe.result_of(future, "an answer") for future in sent]
+    assert {answer.status for answer in answers} == {PlanPath.Response.FOUND}
+    planner.probe.run(lambda: planner.probe.node.destroy_client(client))
 
 
 def turned(**quaternion: float) -> PoseStamped:

@@ -8,6 +8,7 @@ import signal
 from collections.abc import Callable
 
 import pytest
+from builtin_interfaces.msg import Time
 from fuzzy_msgs.srv import PlanPath
 
 from fuzzy_map_building.ros import names
@@ -26,6 +27,20 @@ def test_without_a_map_it_says_so(probe: Probe, start_node: Callable[..., NodePr
     assert "planning_map" in status.message
     # A bad request is one also without a map.
     assert planner.plan(cost=9).status == PlanPath.Response.BAD_REQUEST
+
+
+def test_maps_of_another_time_are_refused_and_counted(
+    probe: Probe, start_node: Callable[..., NodeProcess]
+) -> None:
+    planner = Driver(probe, start_node("planner"))
+    planner.give_and_wait(map_message(world(), stamp=1000))
+    before = planner.counts()
+    planner.give(map_message(world(), stamp=900))
+    planner.wait_for_counts(before, {"rejected.planning_map.outdated": 1})
+    planner.give(map_message(world(), stamp=2**31 - 1))
+    planner.wait_for_counts(before, {"rejected.planning_map.future": 1})
+    assert planner.plan().path.header.stamp == Time(sec=1000)
+    planner.give_and_wait(map_message(world(), stamp=990))  # overtaken on the way
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

@@ -23,7 +23,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 from fuzzy_map_building.perception import PerceptionSequence
-from fuzzy_map_building.ros import names
+from fuzzy_map_building.ros import names, qos
 from fuzzy_map_building.ros.clock import PatientTime, StallWatch, now_seconds
 from fuzzy_map_building.types import SonarReading
 
@@ -108,6 +108,9 @@ class BuildMapServer:
             goal_callback=self._on_goal,
             handle_accepted_callback=self._on_accepted,
             cancel_callback=lambda _: CancelResponse.ACCEPT,
+            goal_service_qos_profile=qos.REQUESTS,
+            result_service_qos_profile=qos.REQUESTS,
+            cancel_service_qos_profile=qos.REQUESTS,
         )
 
     @property

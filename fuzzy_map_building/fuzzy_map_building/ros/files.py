@@ -10,7 +10,7 @@ __all__ = ["file_to_read", "file_to_write"]
 
 
 def file_to_write(path: str) -> Path:
-    """Return the path of a file that may be written, replacing what is there.
+    """Return the absolute path of a file that may be written, replacing what is there.
 
     Raises
     ------
@@ -21,14 +21,16 @@ def file_to_write(path: str) -> Path:
     """
     if not path:
         raise ValueError("no path was given; name the file, as this process sees it")
-    file = Path(path)
+    if "\0" in path:
+        raise ValueError(f"{path!r} is no file name")
+    file = Path.cwd() / path
     if file.exists() and not file.is_file():
-        raise ValueError(f"'{path}' is a folder, a device or a pipe; name a file")
+        raise ValueError(f"{_shown(path)} is a folder, a device or a pipe; name a file")
     return file
 
 
 def file_to_read(path: str) -> Path:
-    """Return the path of a file that exists.
+    """Return the absolute path of a file that exists.
 
     Raises
     ------
@@ -39,5 +41,11 @@ def file_to_read(path: str) -> Path:
     """
     file = file_to_write(path)
     if not file.exists():
-        raise ValueError(f"there is no file '{path}' as this process sees it")
+        raise ValueError(f"there is no file {_shown(path)} as this process sees it")
     return file
+
+
+def _shown(path: str) -> str:
+    """Return how a message names a path, a relative one with what it is relative to."""
+    absolute = Path(path).is_absolute()
+    return f"'{path}'" if absolute else f"'{path}' in the folder '{Path.cwd()}'"

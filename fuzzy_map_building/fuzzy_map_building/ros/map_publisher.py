@@ -34,8 +34,12 @@ class MapPublisher:
         self._planning = node.create_publisher(OccupancyGrid, names.PLANNING_MAP, qos.LATCHED)
         self._occupancy = node.create_publisher(OccupancyGrid, names.MAP, qos.LATCHED)
         self.publish(mapper)
-        node.create_service(GetMap, names.GET_MOTION_MAP, self._get_motion_map)
-        node.create_service(GetMap, names.GET_PLANNING_MAP, self._get_planning_map)
+        node.create_service(
+            GetMap, names.GET_MOTION_MAP, self._get_motion_map, qos_profile=qos.REQUESTS
+        )
+        node.create_service(
+            GetMap, names.GET_PLANNING_MAP, self._get_planning_map, qos_profile=qos.REQUESTS
+        )
 
     def publish(self, mapper: FuzzyMapper, newest: float = 0.0) -> None:
         """Publish all three grids, with one stamp.

@@ -99,9 +99,9 @@ class MapperNode(Node):
             self.create_subscription(
                 JointState, names.JOINT_STATES, self._on_joint_state, qos.JOINT_STATES
             )
-        self.create_service(Trigger, names.RESET_MAP, self._on_reset)
-        self.create_service(MapFile, names.SAVE_MAP, self._on_save)
-        self.create_service(MapFile, names.LOAD_MAP, self._on_load)
+        self.create_service(Trigger, names.RESET_MAP, self._on_reset, qos_profile=qos.REQUESTS)
+        self.create_service(MapFile, names.SAVE_MAP, self._on_save, qos_profile=qos.REQUESTS)
+        self.create_service(MapFile, names.LOAD_MAP, self._on_load, qos_profile=qos.REQUESTS)
         create_steady_timer(self, TICK, self._advance)
         self._jump = self.get_clock().create_jump_callback(
             JumpThreshold(
@@ -219,22 +219,24 @@ class MapperNode(Node):
 
     def _on_save(self, request: MapFile.Request, response: MapFile.Response) -> MapFile.Response:
         try:
-            save_map(file_to_write(request.path), self._mapper.state())
+            file = file_to_write(request.path)
+            save_map(file, self._mapper.state())
         except (ValueError, OSError) as error:
             return self._refuse(names.SAVE_MAP, response, error)
         response.success = True
-        response.message = f"{self._mapper.perceptions} perceptions saved to {request.path}"
+        response.message = f"{self._mapper.perceptions} perceptions saved to {file}"
         return response
 
     def _on_load(self, request: MapFile.Request, response: MapFile.Response) -> MapFile.Response:
         try:
-            self._mapper.restore(load_map(file_to_read(request.path)))
+            file = file_to_read(request.path)
+            self._mapper.restore(load_map(file))
         except (ValueError, OSError) as error:
             return self._refuse(names.LOAD_MAP, response, error)
         self._packet.clear()
         self._maps.publish(self._mapper)
         response.success = True
-        response.message = f"{self._mapper.perceptions} perceptions loaded from {request.path}"
+        response.message = f"{self._mapper.perceptions} perceptions loaded from {file}"
         return response
 
     def _refuse(

@@ -39,6 +39,7 @@ from fuzzy_map_building.ros.diagnostics import Diagnostics
 from fuzzy_map_building.ros.parameters import declare_parameters
 from fuzzy_map_building.ros.run import spin_node
 from fuzzy_navigation.control_tick import ControlTicks, Tick, Untimely
+from fuzzy_navigation.map_times import MapTimes
 from fuzzy_navigation.mission import Mission
 from fuzzy_navigation.mission_types import (
     Commands,
@@ -88,6 +89,7 @@ class MotionNode(Node):
         self._mission = Mission(parameters)
         self._stale_parameters = False
         self._map: tuple[GridGeometry, NDArray[np.float64], float] | None = None
+        self._map_times = MapTimes("the motion map")
         self._last_tick = -math.inf
         self._last_report = -math.inf
         self._reported: tuple[object, ...] = ()
@@ -168,10 +170,12 @@ class MotionNode(Node):
     def _on_map(self, message: OccupancyGrid) -> None:
         try:
             geometry, risk = risk_from_msg(message, "the motion map")
-        except Refused as refusal:
+            stamp = seconds_from_stamp(message.header.stamp)
+            self._map_times.check(self._clock_time(), stamp)
+        except (Refused, Untimely) as refusal:
             self._diagnostics.reject(names.MOTION_MAP, refusal.reason, str(refusal))
             return
-        self._map = (geometry, risk, seconds_from_stamp(message.header.stamp))
+        self._map = (geometry, risk, stamp)
         self._carry_out(self._mission.on_map(self._now(), *self._map))
 
     def _on_perception(self, request: int, ok: bool, message: str) -> None:

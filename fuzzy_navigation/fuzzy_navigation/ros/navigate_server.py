@@ -18,7 +18,7 @@ from rclpy.action.server import ServerGoalHandle
 from rclpy.node import Node
 from rclpy.task import Future
 
-from fuzzy_map_building.ros import names
+from fuzzy_map_building.ros import names, qos
 from fuzzy_map_building.ros.conversions import pose_to_msg
 from fuzzy_navigation.mission_types import Feedback, Finish, Outcome
 
@@ -56,6 +56,9 @@ class NavigateServer:
             execute_callback=self._execute,
             goal_callback=self._on_goal,
             cancel_callback=self._on_cancel,
+            goal_service_qos_profile=qos.REQUESTS,
+            result_service_qos_profile=qos.REQUESTS,
+            cancel_service_qos_profile=qos.REQUESTS,
         )
 
     def close(self) -> None:

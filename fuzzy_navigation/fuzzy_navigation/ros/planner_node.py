@@ -9,6 +9,7 @@ planner knew it.
 
 from __future__ import annotations
 
+import math
 import sys
 import time
 from collections import Counter
@@ -24,11 +25,13 @@ from rclpy.node import Node
 
 from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.ros import names, qos
-from fuzzy_map_building.ros.clock import seconds_from_stamp
+from fuzzy_map_building.ros.clock import now_seconds, seconds_from_stamp
 from fuzzy_map_building.ros.conversions import Refused, path_to_msg, risk_from_msg
 from fuzzy_map_building.ros.diagnostics import Diagnostics
 from fuzzy_map_building.ros.parameters import declare_parameters
 from fuzzy_map_building.ros.run import spin_node
+from fuzzy_navigation.control_tick import Untimely
+from fuzzy_navigation.map_times import MapTimes
 from fuzzy_navigation.params import PLANNER_PRESETS, PlannerParameters, planner_parameters
 from fuzzy_navigation.planner import Planner, PlanResult, PlanStatus
 from fuzzy_navigation.ros.requests import requested_pose
@@ -57,6 +60,7 @@ class PlannerNode(Node):
         )
         self._planner = Planner(_NOWHERE, self._settings.values)
         self._map_stamp: Time | None = None
+        self._map_times = MapTimes("the planning map")
         self._answers: Counter[str] = Counter()
         self._last_time = 0.0
         warm_up()  # before the first request, which would otherwise wait for the compiler
@@ -64,13 +68,17 @@ class PlannerNode(Node):
         self._settings.on_refusal = self._diagnostics.reject
         self._plan_publisher = self.create_publisher(Path, names.PLAN, qos.LATCHED)
         self.create_subscription(OccupancyGrid, names.PLANNING_MAP, self._on_map, qos.LATCHED)
-        self.create_service(PlanPath, names.PLAN_PATH, self._on_plan_path)
-        self.create_service(GetPlan, names.GET_PLAN, self._on_get_plan)
+        self.create_service(
+            PlanPath, names.PLAN_PATH, self._on_plan_path, qos_profile=qos.REQUESTS
+        )
+        self.create_service(GetPlan, names.GET_PLAN, self._on_get_plan, qos_profile=qos.REQUESTS)
 
     def _on_map(self, message: OccupancyGrid) -> None:
         try:
             geometry, risk = risk_from_msg(message, "the planning map")
-        except Refused as refusal:
+            stamp = seconds_from_stamp(message.header.stamp)
+            self._map_times.check(now_seconds(self) or math.inf, stamp)
+        except (Refused, Untimely) as refusal:
             self._diagnostics.reject(names.PLANNING_MAP, refusal.reason, str(refusal))
             return
         if geometry != self._planner.geometry:

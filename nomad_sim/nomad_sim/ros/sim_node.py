@@ -97,7 +97,9 @@ class SimNode(Node):
             self._on_build_map_status,
             qos_profile_action_status_default,
         )
-        self.create_service(Trigger, names.RESET_SIMULATOR, self._on_reset)
+        self.create_service(
+            Trigger, names.RESET_SIMULATOR, self._on_reset, qos_profile=qos.REQUESTS
+        )
 
         now = time.monotonic()
         self._achieved = 0.0

@@ -64,6 +64,26 @@ def test_saving_replaces_and_follows_the_usual_permissions(tmp_path: Path) -> No
     assert path.stat().st_mode == plain.stat().st_mode
 
 
+def test_a_symbolic_link_stays_one_and_leads_to_the_new_file(tmp_path: Path) -> None:
+    folder = tmp_path / "elsewhere"
+    folder.mkdir()
+    for name in ("there", "not_yet"):
+        link = tmp_path / f"{name}.link"
+        link.symlink_to(Path("elsewhere") / name)
+    save_map(folder / "there", make_state(1))
+    for name in ("there", "not_yet"):
+        save_map(tmp_path / f"{name}.link", make_state(2))
+        assert (tmp_path / f"{name}.link").is_symlink()
+        assert not (folder / name).is_symlink()
+        assert_equal(load_map(folder / name), make_state(2))
+    assert sorted(os.listdir(folder)) == ["not_yet", "there"]
+    circle = tmp_path / "circle"
+    circle.symlink_to("circle")
+    with pytest.raises(MapFileError, match=r"cannot write '.*circle': .* leads back to itself"):
+        save_map(circle, make_state())
+    assert circle.is_symlink()
+
+
 def test_a_failed_save_leaves_the_old_file_and_nothing_else(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
