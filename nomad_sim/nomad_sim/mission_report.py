@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy_map_building.grid import GridGeometry
-from fuzzy_navigation.mission_types import LogEntry
+from fuzzy_navigation.mission_types import LogEntry, Stop
 from nomad_sim.headless import HeadlessMission
 from nomad_sim.render import Figure, Panel, Scene, draw_panels
 
@@ -91,9 +91,12 @@ def _panel(moment: Moment, risk: FloatArray, name: str) -> Panel:
 
 def entry_line(entry: LogEntry) -> str:
     """Return a perception of a mission's log as a line."""
-    pose, stop = entry.pose, entry.stop.name.lower()
+    pose = entry.pose
+    if entry.stop is Stop.NONE:
+        why = "at the start"
+    else:
+        why = f"stopped by {entry.stop.name.lower():<10} alpha {entry.alpha:.1f}"
     return (
         f"perception {entry.perception:>3} at {entry.stamp:7.2f} s, ({pose.x:6.2f}, "
-        f"{pose.y:6.2f}) m: stopped by {stop:<10} alpha {entry.alpha:.1f}, "
-        f"{entry.distance_remaining:5.2f} m left"
+        f"{pose.y:6.2f}) m: {why + ',':<32} {entry.distance_remaining:5.2f} m left"
     )

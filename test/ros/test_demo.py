@@ -113,7 +113,10 @@ def test_it_reaches_the_goal_and_leaves_figures_and_a_summary(
     assert [e["stamp_s"] for e in log] == sorted(e["stamp_s"] for e in log)
     lines = [line for line in process.output().splitlines() if line.startswith("perception")]
     for entry, line in zip(log, lines, strict=True):
-        told = rf"perception +{entry['perception']} at .* stopped by {entry['stopped_by']} +alpha"
+        why = f"stopped by {entry['stopped_by']} +alpha"
+        if entry["stopped_by"] == "none":
+            why = "at the start, "
+        told = rf"perception +{entry['perception']} at .* m: {why}"
         assert re.match(told, line)
 
     # The mapped area is the world's, the file counts, everything else is the preset's.

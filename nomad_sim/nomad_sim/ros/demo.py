@@ -55,7 +55,7 @@ PARAMETERS: Final = {
 }
 #: Longest wait for the nodes [s]: the first start on a machine compiles loops in each of them.
 START_TIMEOUT: Final = 120.0
-#: Longest wait for the simulator's last word on contacts [s].
+#: Longest wait for the simulator's last word on contacts, and the mission's on perceptions [s].
 LAST_WORD_TIMEOUT: Final = 10.0
 #: Lines of a failed node's log that are shown.
 LOG_LINES: Final = 5
@@ -125,8 +125,13 @@ def _run(options: DemoOptions, stop: StopRequest) -> tuple[MissionRecord, str, d
         if not watch.over.is_set():
             problem = f"no verdict within {options.timeout:g} s"
         # The simulator tells of contacts in its diagnostics: those from after the end count.
+        # And the mission's last word may be overtaken by its verdict.
         end = record.time
-        nodes.wait(lambda: float(record.simulator["time"]) >= end, LAST_WORD_TIMEOUT)
+        made = record.verdict.perceptions if record.verdict else 0
+        nodes.wait(
+            lambda: float(record.simulator["time"]) >= end and record.perceptions >= made,
+            LAST_WORD_TIMEOUT,
+        )
     return record, problem, {"start": started - began, "mission": ended - started}
 
 

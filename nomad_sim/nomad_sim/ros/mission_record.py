@@ -105,3 +105,8 @@ class MissionRecord:
     simulator: Mapping[str, str] = field(default_factory=dict)
     parameters: dict[str, dict[str, Any]] = field(default_factory=dict)
     verdict: Verdict | None = None
+
+    @property
+    def perceptions(self) -> int:
+        """Serial number of the newest perception that was told of, 0 before the first."""
+        return self.log[-1].perception if self.log else 0

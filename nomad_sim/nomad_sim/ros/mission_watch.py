@@ -7,6 +7,7 @@ from __future__ import annotations
 import contextlib
 import math
 import threading
+import uuid
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any, Final
@@ -27,6 +28,7 @@ from rclpy.node import Node
 from rclpy.parameter import parameter_value_to_python
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
+from unique_identifier_msgs.msg import UUID
 
 from fuzzy_map_building.ros import names, qos
 from fuzzy_map_building.ros.clock import seconds_from_stamp
@@ -51,7 +53,9 @@ DECIMALS: Final = 6
 class MissionWatch(Node):
     """Watches a mission as any client of the nodes could.
 
-    Callbacks run in the thread that spins the node; the attributes may be read from any.
+    Callbacks run in the thread that spins the node, and so does what sends requests: rclpy
+    loses an answer that comes before the request is in its books. Attributes may be read
+    from any thread.
 
     Parameters
     ----------
@@ -85,6 +89,14 @@ class MissionWatch(Node):
             node: self.create_client(GetParameters, f"{node}/get_parameters") for node in wanted
         }
         self._navigate = ActionClient(self, Navigate, names.NAVIGATE)
+        self._goal = UUID(uuid=list(uuid.uuid4().bytes))
+        # Not by the client, which drops the feedback that comes after the result.
+        self.create_subscription(
+            Navigate.Impl.FeedbackMessage,
+            f"{names.NAVIGATE}/_action/feedback",
+            self._on_feedback,
+            qos.RELIABLE,
+        )
         self._build_map = ActionClient(self, BuildMap, names.BUILD_MAP)
         self._plan_path = self.create_client(PlanPath, names.PLAN_PATH)
         self.create_subscription(
@@ -119,14 +131,20 @@ class MissionWatch(Node):
 
     def ask_parameters(self) -> None:
         """Have the parameters recorded; to be called when no node is missing."""
+        self.executor.create_task(self._ask_parameters)
+
+    def _ask_parameters(self) -> None:
         for node, client in self._parameter_clients.items():
             request = GetParameters.Request(names=list(self._wanted[node]))
             client.call_async(request).add_done_callback(partial(self._on_parameters, node))
 
     def send_goal(self, goal: tuple[float, float]) -> None:
-        """Send the robot to (x, y) [m]."""
+        """Send the robot to (x, y) [m]; once."""
+        self.executor.create_task(self._send_goal, goal)
+
+    def _send_goal(self, goal: tuple[float, float]) -> None:
         message = Navigate.Goal(goal=pose_to_msg(Pose2(*goal), Time()))
-        future = self._navigate.send_goal_async(message, feedback_callback=self._on_feedback)
+        future = self._navigate.send_goal_async(message, goal_uuid=self._goal)
         future.add_done_callback(self._on_answer)
 
     def _on_parameters(self, node: str, future: Future) -> None:
@@ -156,7 +174,7 @@ class MissionWatch(Node):
     def _on_feedback(self, message: Any) -> None:
         feedback: Navigate.Feedback = message.feedback
         log = self.record.log
-        if feedback.perceptions <= (log[-1].perception if log else 0):
+        if message.goal_id != self._goal or feedback.perceptions <= self.record.perceptions:
             return
         stamp, pose = stamped_pose_from_msg(feedback.pose)
         entry = LogEntry(

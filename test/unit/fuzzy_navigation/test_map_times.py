@@ -30,7 +30,7 @@ def test_the_future_is_refused_and_leaves_no_trace():
 def test_what_is_long_gone_is_refused():
     times = MapTimes("the map")
     times.check(500.0, 499.0)
-    with pytest.raises(Untimely, match="stamped 3.000 s, 496.000 s before the newest") as refusal:
+    with pytest.raises(Untimely, match=r"stamped 3.000 s, 496.000 s before the newest") as refusal:
         times.check(500.0, 3.0)
     assert refusal.value.reason == "outdated"
     times.check(500.0, 499.0 - LONGEST_STEP_BACK)

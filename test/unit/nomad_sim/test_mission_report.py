@@ -68,3 +68,8 @@ def test_a_perception_is_told_in_a_line() -> None:
         "perception   7 at   47.60 s, (  2.79,   0.93) m: stopped by clearance  alpha 0.6, "
         " 6.49 m left"
     )
+    first = LogEntry(1, 4.2, Pose2(1.25, 5.25, 0.0), Stop.NONE, 0.0, 6.12)
+    assert entry_line(first) == (
+        "perception   1 at    4.20 s, (  1.25,   5.25) m: at the start,                    "
+        " 6.12 m left"
+    )
