@@ -3,8 +3,9 @@
 """PerceptionSequence: how one packet of readings is gathered (section III-A).
 
 The turret is turned from angle to angle; at each, one reading of every sonar is taken
-that was measured while the turret stood there. A sonar that stays silent costs a bounded
-wait, a turret that does not arrive ends the perception with a message.
+that was measured while the turret stood there, and one of every infrared sensor that has one
+by then. A sonar that stays silent costs a bounded wait, a turret that does not arrive ends
+the perception with a message.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from __future__ import annotations
 import math
 
 from fuzzy_map_building.params import MapperParameters
-from fuzzy_map_building.types import SonarReading, wrap_angle
+from fuzzy_map_building.types import InfraredReading, RangeReading, SonarReading, wrap_angle
 
 __all__ = ["PerceptionSequence"]
 
@@ -35,11 +36,15 @@ class PerceptionSequence:
     Attributes
     ----------
     readings : list of SonarReading
-        What the present perception has gathered.
+        What the present perception has gathered of the sonars.
+    infrared : list of InfraredReading
+        What it has gathered of the infrared sensors, for which it never waits.
     """
 
     def __init__(self, parameters: MapperParameters) -> None:
         self._sonars = len(parameters.sonar.bearings)
+        enabled = parameters.infrared_evidence.enabled
+        self._infrareds = len(parameters.infrared.bearings) if enabled else 0
         self._turret = parameters.turret
         self._limits = parameters.perception
         self._angles = parameters.turret.angles if parameters.turret.joint else ()
@@ -47,17 +52,24 @@ class PerceptionSequence:
         self._stage = 0
         self._failed = ""
         self._taken: set[int] = set()
+        self._taken_infrared: set[int] = set()
         self._stage_start = -math.inf
         self._stage_patience = -math.inf
         self._commanded = -math.inf
         self._ready_from = math.inf
         self._ready_patience = math.inf
         self.readings: list[SonarReading] = []
+        self.infrared: list[InfraredReading] = []
 
     @property
     def expected(self) -> int:
         """Number of readings of a complete perception."""
         return self._sonars * max(1, len(self._angles))
+
+    @property
+    def packet(self) -> list[RangeReading]:
+        """All that the present perception has gathered."""
+        return [*self.readings, *self.infrared]
 
     @property
     def active(self) -> bool:
@@ -79,14 +91,14 @@ class PerceptionSequence:
         self._active = True
         self._failed = ""
         self._stage = 0
-        self.readings = []
+        self._forget_readings()
         self._enter_stage(now, now)
 
     def cancel(self) -> None:
         """Drop the perception that is going on."""
         self._active = False
         self._failed = "the perception was canceled"
-        self.readings = []
+        self._forget_readings()
 
     def on_turret(self, stamp: float, angle: float) -> None:
         """Take note of the turret's angle [rad] at `stamp` [s]; others than finite are ignored."""
@@ -117,6 +129,17 @@ class PerceptionSequence:
         ):
             self._taken.add(reading.sensor)
             self.readings.append(reading)
+
+    def on_infrared(self, reading: InfraredReading) -> None:
+        """Offer an infrared reading; one of each sensor is taken at each stand of the turret."""
+        if self.wants_infrared(reading.stamp) and reading.sensor not in self._taken_infrared:
+            self._taken_infrared.add(reading.sensor)
+            self.infrared.append(reading)
+
+    def wants_infrared(self, stamp: float) -> bool:
+        """Whether an infrared reading taken at `stamp` [s] may be one of the perception's."""
+        missing = len(self._taken_infrared) < self._infrareds
+        return self._active and missing and stamp >= self._ready_from
 
     def step(self, now: float, patience: float | None = None) -> float | None:
         """Let time pass.
@@ -161,6 +184,7 @@ class PerceptionSequence:
 
     def _enter_stage(self, now: float, patience: float) -> None:
         self._taken = set()
+        self._taken_infrared = set()
         self._stage_start = now
         self._stage_patience = patience
         self._ready_patience = math.inf
@@ -177,9 +201,13 @@ class PerceptionSequence:
                 f"and that their stamps are of one clock"
             )
 
+    def _forget_readings(self) -> None:
+        self.readings = []
+        self.infrared = []
+
     def _give_up(self) -> None:
         self._active = False
-        self.readings = []
+        self._forget_readings()
         self._failed = (
             f"the turret did not reach {math.degrees(self._angles[self._stage]):.1f} degrees "
             f"within {self._turret.timeout:g} s; check that its commands arrive and that joint "

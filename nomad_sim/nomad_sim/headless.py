@@ -17,12 +17,13 @@ from typing import Any
 
 import numpy as np
 
+from fuzzy_map_building.infrared_gathering import InfraredGatherer
 from fuzzy_map_building.mapper import FuzzyMapper
 from fuzzy_map_building.occupancy import risk_to_int8
 from fuzzy_map_building.packet import ReadingAssembler
 from fuzzy_map_building.params import DEFAULT_PRESET, MapperParameters, mapper_parameters
 from fuzzy_map_building.perception import PerceptionSequence
-from fuzzy_map_building.types import InfraredReading, Pose2, SonarReading
+from fuzzy_map_building.types import InfraredReading, Pose2, RangeReading, SonarReading
 from fuzzy_navigation.mission import Mission
 from fuzzy_navigation.mission_types import (
     Commands,
@@ -191,15 +192,16 @@ class HeadlessMission:
         ended = self._perception.ended()
         if ended is None:
             return
-        request, readings, failure = ended
+        request, packet, failure = ended
         now = self.simulator.time
         if not failure:
-            report = self.mapper.update(readings)
+            report = self.mapper.update(packet)
             if report.accepted == 0:
                 failure = f"no reading could be used: {report.rejected}"
         if failure:
             self._handle(self.mission.on_perception(now, request, False, failure))
             return
+        self._perception.fused()
         self.simulator.perception_taken()
         # As a message carries them: in whole percent.
         self.planner.set_map(risk_to_int8(self.mapper.planning_risk) / 100.0)
@@ -237,6 +239,8 @@ class _Perception:
     def __init__(self, parameters: MapperParameters) -> None:
         self._assembler = ReadingAssembler(parameters)
         self._sequence = PerceptionSequence(parameters)
+        self._gatherer = InfraredGatherer(parameters)
+        self._bearings = parameters.infrared.bearings
         self._request: int | None = None
 
     def start(self, now: float, request: int) -> None:
@@ -251,16 +255,33 @@ class _Perception:
         self._sequence.on_turret(now, simulator.turret_angle)
         for event in simulator.sonar_events:
             self._assembler.add_range(event.sensor, event.stamp, event.range, now)
+        self._take_infrared(simulator)
         for reading in self._assembler.release(now):
             self._sequence.on_reading(reading)
+            self._gatherer.on_sonar(reading)
         return self._sequence.step(now)
 
-    def ended(self) -> tuple[int, list[Any], str] | None:
-        """Return (request, readings, failure) once, when a perception is over."""
+    def _take_infrared(self, simulator: Simulator) -> None:
+        now, pose = simulator.time, simulator.pose
+        # Most are of no use: asked first, since they would take half of a mission's time.
+        if not (self._sequence.wants_infrared(now) or self._gatherer.wants(pose)):
+            return
+        for sensor, value in enumerate(simulator.infrared()):
+            reading = InfraredReading(pose, self._bearings[sensor], float(value), now, sensor)
+            self._sequence.on_infrared(reading)
+            self._gatherer.on_infrared(reading)
+
+    def ended(self) -> tuple[int, list[RangeReading], str] | None:
+        """Return (request, packet, failure) once, when a perception is over."""
         if self._request is None or self._sequence.active:
             return None
         request, self._request = self._request, None
-        return request, self._sequence.readings, self._sequence.failed
+        packet = [*self._sequence.packet, *self._gatherer.readings()]
+        return request, packet, self._sequence.failed
+
+    def fused(self) -> None:
+        """Begin to gather for the next packet."""
+        self._gatherer.restart(self._sequence.readings[0].pose)
 
 
 class _Echoes:

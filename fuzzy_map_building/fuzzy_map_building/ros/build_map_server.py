@@ -25,7 +25,7 @@ from rclpy.task import Future
 from fuzzy_map_building.perception import PerceptionSequence
 from fuzzy_map_building.ros import names, qos
 from fuzzy_map_building.ros.clock import PatientTime, StallWatch, now_seconds
-from fuzzy_map_building.types import SonarReading
+from fuzzy_map_building.types import RangeReading
 
 __all__ = ["BuildMapServer", "FusedPacket"]
 
@@ -42,7 +42,7 @@ class FusedPacket:
     perception : int
         Its serial number since the map was last empty.
     accepted : int
-        Readings fused; 0: the map is as it was.
+        Sonar readings fused; 0: the map is as it was.
     problem : str
         Why nothing was fused; empty when something was.
     """
@@ -87,7 +87,7 @@ class BuildMapServer:
         node: Node,
         new_sequence: Callable[[], PerceptionSequence],
         command_turret: Callable[[float], None],
-        fuse: Callable[[Sequence[SonarReading]], FusedPacket],
+        fuse: Callable[[Sequence[RangeReading]], FusedPacket],
         rejected: Callable[[], int],
     ) -> None:
         self._node = node
@@ -183,7 +183,7 @@ class BuildMapServer:
         return result
 
     def _complete(self, goal: _Goal, now: float) -> None:
-        packet = self._fuse(goal.sequence.readings)
+        packet = self._fuse(goal.sequence.packet)
         if not packet.accepted:
             self.abort(packet.problem)
             return

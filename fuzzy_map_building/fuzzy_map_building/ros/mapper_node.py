@@ -4,7 +4,8 @@
 
 Every range waits in the `ReadingAssembler` until pose and turret angle bracket its
 stamp. The readings that come out belong to the perception that the action ``build_map``
-runs, or, in continuous mode, to a packet that is fused whenever it is full.
+runs, or, in continuous mode, to a packet that is fused whenever it is full. Infrared
+readings, where they are evidence, join either one with what the `InfraredGatherer` kept.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from sensor_msgs.msg import JointState, Range
 from std_msgs.msg import Float64
 from std_srvs.srv import Trigger
 
+from fuzzy_map_building.infrared_gathering import InfraredGatherer
 from fuzzy_map_building.map_io import load_map, save_map
 from fuzzy_map_building.mapper import FuzzyMapper
 from fuzzy_map_building.packet import ReadingAssembler
@@ -41,7 +43,7 @@ from fuzzy_map_building.ros.files import file_to_read, file_to_write
 from fuzzy_map_building.ros.map_publisher import MapPublisher
 from fuzzy_map_building.ros.parameters import declare_parameters
 from fuzzy_map_building.ros.run import spin_node
-from fuzzy_map_building.types import SonarReading
+from fuzzy_map_building.types import RangeReading, SonarReading
 
 __all__ = ["MapperNode", "main"]
 
@@ -60,9 +62,10 @@ EXPLANATIONS: Final[Mapping[str, str]] = {
     "no_turret": "no two turret angles bracketed the stamp within perception.pose_timeout",
     "overflow": "too many readings wait for poses",
     "nan": "the sensor reported a faulty measurement (NaN)",
-    "out_of_range": "the range lies outside sonar.min_range and sonar.max_range",
+    "out_of_range": "the range lies outside the limits min_range and max_range of its sensor",
     "outside_map": "the reading was taken outside the map's area",
     "lost_echo": "no echo, and sonar.lost_echo says to ignore such readings",
+    "no_sonar": "infrared readings only add to what sonars say, and no sonar reading was usable",
 }
 
 
@@ -81,6 +84,7 @@ class MapperNode(Node):
         p = self._settings.values
         self._mapper = FuzzyMapper(p.area.geometry(), p)
         self._assembler = ReadingAssembler(p)
+        self._gatherer = InfraredGatherer(p)
         self._packet: list[SonarReading] = []
         self._maps = MapPublisher(self, self._mapper)
         self._turret = self.create_publisher(Float64, names.TURRET_COMMAND, qos.RELIABLE)
@@ -95,6 +99,8 @@ class MapperNode(Node):
         )
         self.create_subscription(PoseStamped, names.POSE, self._on_pose, qos.RELIABLE)
         self.create_subscription(Range, names.SONAR, self._on_sonar, qos.RANGES)
+        if p.infrared_evidence.enabled:
+            self.create_subscription(Range, names.INFRARED, self._on_infrared, qos.RANGES)
         if p.turret.joint:
             self.create_subscription(
                 JointState, names.JOINT_STATES, self._on_joint_state, qos.JOINT_STATES
@@ -155,9 +161,19 @@ class MapperNode(Node):
         self._assembler.add_range(sample.sensor, sample.stamp, sample.range, now_seconds(self))
         self._advance()
 
+    def _on_infrared(self, message: Range) -> None:
+        frames = self._settings.values.infrared.frame_ids
+        try:
+            sample = conversions.range_from_msg(message, frames, what=names.INFRARED)
+        except Refused as refused:
+            self._diagnostics.reject(names.INFRARED, refused.reason, str(refused))
+            return
+        self._assembler.add_infrared(sample.sensor, sample.stamp, sample.range, now_seconds(self))
+        self._advance()
+
     def _on_clock_reset(self, jump: TimeJump) -> None:
         self._assembler.clear()
-        self._packet.clear()
+        self._forget_readings()
         self.get_logger().warning(
             f"the clock went back by {-jump.delta.nanoseconds * 1e-9:.1f} s; "
             "poses and readings that waited were dropped, the map stays (see reset_map)"
@@ -168,7 +184,12 @@ class MapperNode(Node):
 
     def _advance(self) -> None:
         now = now_seconds(self)
+        for ray in self._assembler.release_infrared(now):
+            self._gatherer.on_infrared(ray)
+            if self._build_map.sequence is not None:
+                self._build_map.sequence.on_infrared(ray)
         for reading in self._assembler.release(now):
+            self._gatherer.on_sonar(reading)
             self._take(reading)
         self._count_refusals()
         self._build_map.advance(now)
@@ -182,12 +203,20 @@ class MapperNode(Node):
                 packet, self._packet = self._packet, []
                 self._fuse(packet)
 
-    def _fuse(self, readings: Sequence[SonarReading]) -> FusedPacket:
-        report = self._mapper.update(readings)
-        for reason, count in report.rejected.items():
-            text = EXPLANATIONS.get(reason, reason)
-            self._diagnostics.reject(names.SONAR, reason, text, count)
+    def _fuse(self, readings: Sequence[RangeReading]) -> FusedPacket:
+        packet = [*readings, *self._gatherer.readings()]
+        report = self._mapper.update(packet)
+        for source, rejected in (
+            (names.SONAR, report.rejected),
+            (names.INFRARED, report.infrared_rejected),
+        ):
+            for reason, count in rejected.items():
+                text = EXPLANATIONS.get(reason, reason)
+                self._diagnostics.reject(source, reason, text, count)
         if report.accepted:
+            # Where a perception was made the robot stood, and its sweeps are in the packet.
+            standing = self._build_map.sequence is not None
+            self._gatherer.restart(readings[0].pose if standing else None)
             self._maps.publish(self._mapper, max(reading.stamp for reading in readings))
             return FusedPacket(self._mapper.perceptions, report.accepted, "")
         reasons = ", ".join(f"{n} {reason}" for reason, n in sorted(report.rejected.items()))
@@ -197,12 +226,17 @@ class MapperNode(Node):
             f"none of {len(readings)} readings gave evidence ({reasons})",
         )
 
+    def _forget_readings(self) -> None:
+        self._packet.clear()
+        self._gatherer.restart()
+
     def _use_parameters(self, parameters: MapperParameters) -> None:
         """Go on with other parameters and what is known; nothing that waits is kept."""
         state = self._mapper.state()
         self._mapper = FuzzyMapper(state.geometry, parameters)
         self._mapper.restore(state)
         self._assembler = ReadingAssembler(parameters)
+        self._gatherer = InfraredGatherer(parameters)
         self._packet.clear()
         self._build_map.abort("a parameter was changed")
         self._maps.publish(self._mapper)
@@ -211,7 +245,7 @@ class MapperNode(Node):
 
     def _on_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         self._mapper.reset()
-        self._packet.clear()
+        self._forget_readings()
         self._maps.publish(self._mapper)
         response.success = True
         response.message = "the map is empty"
@@ -233,7 +267,7 @@ class MapperNode(Node):
             self._mapper.restore(load_map(file))
         except (ValueError, OSError) as error:
             return self._refuse(names.LOAD_MAP, response, error)
-        self._packet.clear()
+        self._forget_readings()
         self._maps.publish(self._mapper)
         response.success = True
         response.message = f"{self._mapper.perceptions} perceptions loaded from {file}"
@@ -252,6 +286,7 @@ class MapperNode(Node):
     def _count_refusals(self) -> None:
         for source, totals in (
             (names.SONAR, self._assembler.rejected),
+            (names.INFRARED, self._assembler.infrared_rejected),
             (names.POSE, self._assembler.poses.rejected),
             (names.JOINT_STATES, self._assembler.turret.rejected),
         ):

@@ -9,7 +9,7 @@ import pytest
 from fuzzy_map_building import packet
 from fuzzy_map_building.packet import ReadingAssembler
 from fuzzy_map_building.params import mapper_parameters
-from fuzzy_map_building.types import Pose2
+from fuzzy_map_building.types import InfraredReading, Pose2
 
 PARAMETERS = mapper_parameters()
 ON_BASE = mapper_parameters(overrides={"turret.joint": ""})
@@ -146,3 +146,30 @@ def test_faulty_ranges_pass_on_to_the_sensor_model() -> None:
     for sensor, value in enumerate((math.nan, -math.inf, -3.0)):
         assert assembler.add_range(sensor, 1.0, value, 1.0)
     assert len(assembler.release(1.0)) == 3
+
+
+def test_infrareds_sit_on_the_base_and_need_no_turret_angle() -> None:
+    assembler = ReadingAssembler(PARAMETERS)
+    assembler.add_pose(1.0, Pose2(0.0, 0.0, 0.0), 1.0)
+    assert assembler.add_infrared(2, 1.05, 0.3, 1.05)
+    assert assembler.add_range(2, 1.05, 0.3, 1.05)
+    assert assembler.release_infrared(1.05) == []
+    assert assembler.waiting == 2
+    assembler.add_pose(1.1, Pose2(0.2, 0.0, 0.4), 1.1)
+    assembler.add_turret(1.0, 1.0, 1.1)
+    (reading,) = assembler.release_infrared(1.1)
+    assert type(reading) is InfraredReading
+    assert (reading.pose.x, reading.pose.theta) == pytest.approx((0.1, 0.2))
+    assert reading.bearing == pytest.approx(math.radians(45.0))
+    assert (reading.range, reading.stamp, reading.sensor) == (0.3, 1.05, 2)
+    # The sonar goes on waiting for the turret; what is refused is counted apart.
+    assert assembler.release(1.1) == []
+    assert assembler.waiting == 1
+    assert not assembler.add_infrared(2, 1.05, 0.3, 1.1)
+    assert not assembler.add_infrared(3, 2.0, 0.3, 1.1)
+    assert assembler.add_infrared(4, 1.15, 0.3, 1.2)
+    assert assembler.release_infrared(1.7) == []
+    assert assembler.infrared_rejected == {"duplicate": 1, "future": 1, "no_pose": 1}
+    assert assembler.rejected == {}
+    with pytest.raises(ValueError, match="no infrared sensor 16: the ring has infrared sensors 0"):
+        assembler.add_infrared(16, 1.0, 1.0, 1.0)

@@ -8,7 +8,7 @@ import pytest
 
 from fuzzy_map_building.params import MapperParameters, mapper_parameters
 from fuzzy_map_building.perception import PerceptionSequence
-from fuzzy_map_building.types import Pose2, SonarReading
+from fuzzy_map_building.types import InfraredReading, Pose2, SonarReading
 
 PARAMETERS = mapper_parameters()
 
@@ -22,6 +22,7 @@ class Robot:
         rate: float = math.radians(60.0),
         silent: frozenset[int] = frozenset(),
         deaf_until: float = 0.0,
+        blind: frozenset[int] = frozenset(),
     ) -> None:
         self.sequence = PerceptionSequence(parameters)
         self.turret = parameters.turret.joint != ""
@@ -30,6 +31,7 @@ class Robot:
         self.angle = self.target = -0.4
         self.rate = rate
         self.silent = silent
+        self.blind = blind
         self.deaf_until = 100.0 + deaf_until
         self.commands: list[tuple[float, float]] = []
 
@@ -46,6 +48,8 @@ class Robot:
             self.angle += min(step, max(-step, self.target - self.angle))
             if self.turret:
                 self.sequence.on_turret(self.now, self.angle)
+            for sensor in set(range(16)) - self.blind:
+                self.sequence.on_infrared(InfraredReading(Pose2(0, 0), 0.0, 0.5, self.now, sensor))
             group = round(self.now / 0.05) % 4
             for sensor in range(group, len(self.bearings), 4):
                 if sensor not in self.silent:
@@ -243,3 +247,31 @@ def test_a_stuck_turret_is_given_up_by_the_clock_of_patience() -> None:
     assert sequence.active
     sequence.step(300.1, 105.1)
     assert "did not reach" in sequence.failed
+
+
+def test_one_infrared_sweep_at_each_stand_and_no_waiting_for_it() -> None:
+    robot = Robot(mapper_parameters("consistent"), blind=frozenset({3}))
+    robot.sequence.start(robot.now)
+    robot.run(10.0)
+    sequence = robot.sequence
+    assert sequence.done
+    assert len(sequence.readings) == 48
+    assert len(sequence.infrared) == 45
+    assert sequence.packet == [*sequence.readings, *sequence.infrared]
+    # Each while the turret stood, as the sonars of that stand.
+    stamps = sorted({reading.stamp for reading in sequence.infrared})
+    assert len(stamps) == 3
+    for stand, stamp in enumerate(stamps):
+        sonars = [r.stamp for r in sequence.readings[16 * stand : 16 * (stand + 1)]]
+        assert min(sonars) - 0.051 <= stamp <= max(sonars)
+        assert {r.sensor for r in sequence.infrared if r.stamp == stamp} == set(range(16)) - {3}
+    sequence.start(robot.now)
+    assert sequence.packet == []
+
+
+def test_infrareds_are_not_taken_where_they_are_no_evidence() -> None:
+    robot = Robot(PARAMETERS)
+    assert not robot.sequence.wants_infrared(robot.now)
+    robot.sequence.start(robot.now)
+    robot.run(10.0)
+    assert robot.sequence.packet == robot.sequence.readings

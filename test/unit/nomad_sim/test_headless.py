@@ -3,13 +3,16 @@
 """The loop in one process: repeatable, and put together as said."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from fuzzy_map_building.types import Pose2
+from fuzzy_map_building.mapper import UpdateReport
+from fuzzy_map_building.params import PRESETS
+from fuzzy_map_building.types import InfraredReading, Pose2, RangeReading
 from fuzzy_navigation.mission_types import Outcome
 from nomad_sim.headless import CONTROL_PERIOD, HeadlessMission, random_start, run_mission
 from nomad_sim.simulator import Simulator
@@ -99,6 +102,38 @@ def test_maps_reach_the_planner_as_messages_carry_them(room: World) -> None:
     assert risk is not None
     assert risk == pytest.approx(np.round(100.0 * mission.mapper.planning_risk) / 100.0, abs=1e-9)
     assert 0.0 < risk.max() <= 1.0
+
+
+def test_infrareds_of_stands_and_of_the_way_are_in_the_packets(room: World) -> None:
+    mission = HeadlessMission(room, seed=1, mapper=PRESETS["consistent"])
+    packets, places = [], []
+    update = mission.mapper.update
+
+    def keep(readings: Sequence[RangeReading]) -> UpdateReport:
+        packets.append(list(readings))
+        places.append(mission.simulator.pose)
+        return update(readings)
+
+    mission.mapper.update = keep  # type: ignore[method-assign]
+    log = mission.run()
+    assert log.outcome is Outcome.REACHED
+    assert len(packets) >= 2
+    for number, (packet, pose) in enumerate(zip(packets, places, strict=True)):
+        infrared = [r for r in packet if isinstance(r, InfraredReading)]
+        assert len(packet) - len(infrared) == 48
+        sweeps = {r.stamp: r.pose for r in infrared}
+        assert len(infrared) == 16 * len(sweeps)
+        way = [p for p in sweeps.values() if p.distance_to(pose.x, pose.y) > 0.01]
+        if number == 0:  # where the robot starts, and nowhere else
+            assert (len(sweeps), way) == (4, [])
+            continue
+        # Three at the stands, on the way one for each 0.1 m or a tick more.
+        before = places[number - 1]
+        distance = before.distance_to(pose.x, pose.y)
+        assert distance / 0.14 - 1 <= len(sweeps) - 3 <= 1.3 * distance / 0.1 + 1
+        for p in way:
+            assert p.distance_to(before.x, before.y) >= 0.1 - 1e-6
+    assert mission.mapper.perceptions == len(packets)
 
 
 def test_single_parameters_override_the_preset(room: World) -> None:
