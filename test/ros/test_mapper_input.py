@@ -39,13 +39,22 @@ K_EMPTY = 0.9
 class Bench:
     """A mapper in continuous mode, whoever talks to it, and the time.
 
+    Parameters
+    ----------
+    probe : Probe
+        Who talks to it and listens.
+    log : Path
+        Where its output goes.
+    **parameters
+        Others than packets of eight readings.
+
     Attributes
     ----------
     start : float
         Time [s] at which the present test began.
     """
 
-    def __init__(self, probe: Probe, log: Path) -> None:
+    def __init__(self, probe: Probe, log: Path, **parameters: object) -> None:
         self.probe = probe
         self.mapper = NodeProcess(
             "mapper",
@@ -56,6 +65,7 @@ class Bench:
                 "use_sim_time": True,
                 # Lone cones do not add up: let one reading be enough to show in the motion map.
                 "evidence.k_empty": K_EMPTY,
+                **parameters,
             },
         )
         self.mapper.wait_for_output("mapping")
