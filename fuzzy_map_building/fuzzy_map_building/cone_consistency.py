@@ -132,16 +132,19 @@ class ConeConsistency:
         on: the maximum lies on the axis, or where a veto ends.
         """
         count, vetoes = self.offset.shape
-        every = np.arange(count)
-        scale = self._consistency(every, np.zeros(count))
+        scale = self._consistency(np.arange(count), np.zeros(count))
+        sides = np.array([-1.0, 1.0])
+        width = self.parameters.half_width + _ROUNDING
         for number in range(vetoes):
-            for side in (-1.0, 1.0):
-                border = self.offset[:, number] + side * self.parameters.half_width
-                beyond = border + side * 2.0 * _ROUNDING
-                c = self._consistency(every, beyond)
-                value = np.sqrt(directivity(np.clip(border, -half_angle, half_angle))) * c
-                ends = (self.strength[:, number] > 0.0) & (np.abs(border) <= half_angle)
-                np.maximum(scale, np.where(ends, value, 0.0), out=scale)
+            border = self.offset[:, number, None] + sides * self.parameters.half_width
+            # Just beyond the border, where this veto is over and others may have begun.
+            beyond = border + sides * 2.0 * _ROUNDING
+            looks = np.abs(beyond[:, :, None] - self.offset[:, None, :]) <= width
+            veto = np.where(looks, self.strength[:, None, :], 0.0).max(axis=2)
+            arc = np.sqrt(directivity(np.clip(border, -half_angle, half_angle)))
+            ends = (self.strength[:, number, None] > 0.0) & (np.abs(border) <= half_angle)
+            remaining = np.where(ends, arc * (1.0 - veto), 0.0)
+            np.maximum(scale, remaining.max(axis=1), out=scale)
         return scale
 
 
@@ -179,5 +182,9 @@ def _vetoes(
 
 def _stacked(parts: list[FloatArray], columns: int) -> FloatArray:
     """Return the parts below one another, filled up with 0 to a number of columns."""
-    filled = [np.pad(part, ((0, 0), (0, columns - part.shape[1]))) for part in parts]
-    return np.concatenate(filled) if filled else np.zeros((0, columns))
+    out = np.zeros((sum(len(part) for part in parts), columns))
+    row = 0
+    for part in parts:
+        out[row : row + len(part), : part.shape[1]] = part
+        row += len(part)
+    return out

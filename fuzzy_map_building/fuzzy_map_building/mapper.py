@@ -161,18 +161,13 @@ class FuzzyMapper:
         ValueError
             If an element is no RangeReading. The map is then as it was.
         """
-        for number, reading in enumerate(readings):
-            if not isinstance(reading, RangeReading):
-                raise ValueError(
-                    f"reading {number} of the packet is a {type(reading).__name__}, not a "
-                    f"RangeReading; the map was not changed"
-                )
-        sonar = [reading for reading in readings if isinstance(reading, SonarReading)]
-        infrared = self._infrared_of(readings)
+        sonar, infrared, others = _sorted_by_kind(readings)
+        if not self._parameters.infrared_evidence.enabled:
+            infrared, others = [], others + len(infrared)
         local = self._sonar.evidence(sonar, self._geometry)
         rejected = dict(local.rejected)
-        if len(sonar) + len(infrared) < len(readings):
-            rejected["no_model"] = len(readings) - len(sonar) - len(infrared)
+        if others:
+            rejected["no_model"] = others
         if local.accepted == 0:
             useless = {"no_sonar": len(infrared)} if infrared else {}
             return UpdateReport(0, rejected, local.window, 0, useless)
@@ -183,12 +178,6 @@ class FuzzyMapper:
         united = united_evidence(local, rays, self._parameters.evidence.dombi_lambda)
         self._fuse(united)
         return UpdateReport(local.accepted, rejected, united.window, rays.accepted, rays.rejected)
-
-    def _infrared_of(self, readings: Sequence[RangeReading]) -> list[InfraredReading]:
-        """Return the infrared readings of a packet, if they are evidence."""
-        if not self._parameters.infrared_evidence.enabled:
-            return []
-        return [reading for reading in readings if isinstance(reading, InfraredReading)]
 
     def _guarded(
         self, sonar: Sequence[SonarReading], infrared: Sequence[InfraredReading]
@@ -253,6 +242,34 @@ class FuzzyMapper:
         self._motion_risk = motion
         self._planning_risk = planning
         self._perceptions = state.perceptions
+
+
+def _sorted_by_kind(
+    readings: Sequence[RangeReading],
+) -> tuple[list[SonarReading], list[InfraredReading], int]:
+    """Return the sonar readings, the infrared readings, and the number of others.
+
+    Raises
+    ------
+    ValueError
+        If an element is no reading at all.
+    """
+    sonar: list[SonarReading] = []
+    infrared: list[InfraredReading] = []
+    others = 0
+    for number, reading in enumerate(readings):
+        if isinstance(reading, SonarReading):
+            sonar.append(reading)
+        elif isinstance(reading, InfraredReading):
+            infrared.append(reading)
+        elif isinstance(reading, RangeReading):
+            others += 1
+        else:
+            raise ValueError(
+                f"reading {number} of the packet is a {type(reading).__name__}, not a "
+                f"RangeReading; the map was not changed"
+            )
+    return sonar, infrared, others
 
 
 def _read_only(array: FloatArray) -> FloatArray:
