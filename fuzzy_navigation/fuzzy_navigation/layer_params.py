@@ -51,6 +51,14 @@ class LayerParameters:
         minimum=0.0,
         maximum=1.0,
     )
+    slack: float = parameter(
+        0.015,
+        doc="how much less clearance than the planner asked for stops the robot: what the "
+        "infrareds' noise makes of a sweep",
+        unit="m",
+        minimum=0.0,
+        maximum=1.0,
+    )
     cost: float = parameter(
         0.5,
         doc="part of the layer's risk, of no more than 1, that a path pays",

@@ -119,7 +119,7 @@ class LayerClearance:
         """See `StopRule.blocked`."""
         following = clearances[1:]
         closer = following < clearances[:-1] - SHRINKING
-        return (clearance_risk(following, self._layer) > alpha) & closer
+        return (clearance_risk(following + self._layer.slack, self._layer) > alpha) & closer
 
 
 def stop_rule(clearance: ClearanceParameters, layer: LayerParameters) -> StopRule:

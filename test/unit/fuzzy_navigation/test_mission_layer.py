@@ -51,7 +51,7 @@ def test_the_planner_is_told_what_was_hit() -> None:
 def test_it_stops_before_a_wall_by_the_rung_of_its_path(
     alpha: float, least: float, x_wall: float
 ) -> None:
-    script = script_of()
+    script = script_of(**{"layer.slack": 0.0})
     script.seen = wall_at(x_wall)
     commands = script.set_out(GOAL, alpha=alpha)
     commands = script.run()

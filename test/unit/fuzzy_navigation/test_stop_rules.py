@@ -63,13 +63,23 @@ def test_strict_forbids_to_leave_as_well(relaxed: bool) -> None:
 def test_the_layer_s_rule(
     alpha: float, clearances: tuple[float, ...], layer: tuple[bool, ...], relaxed: bool
 ) -> None:
-    rule = LayerClearance(LayerParameters())
+    rule = LayerClearance(LayerParameters(slack=0.0))
     assert tuple(rule.blocked(np.array(clearances), alpha, relaxed)) == layer
+
+
+@pytest.mark.parametrize(
+    ("alpha", "allowed", "forbidden"),
+    [(0.6, 0.1051, 0.1049), (0.8, 0.0701, 0.0699), (1.0, 0.0351, 0.0349)],
+)
+def test_the_slack_is_a_sweep_s_noise(alpha: float, allowed: float, forbidden: float) -> None:
+    rule = LayerClearance(LayerParameters(slack=0.015))
+    assert not rule.blocked(np.array([0.2, allowed]), alpha, False)[0]
+    assert rule.blocked(np.array([0.2, forbidden]), alpha, False)[0]
 
 
 def test_the_parameter_names_the_rule() -> None:
     clearances = np.array([0.1, 0.2])
-    layer = LayerParameters(limit=0.13)
+    layer = LayerParameters(limit=0.13, slack=0.0)
     closing = stop_rule(ClearanceParameters(), layer)
     assert not closing.blocked(clearances, 0.6, False)[0]
     strict = stop_rule(ClearanceParameters(rule="strict", limit=0.15), layer)
