@@ -81,39 +81,54 @@ def cost_field(
     table = np.full(NO_ENTRY + 1, math.inf)
     if codes is not None:
         least = float(HUNDREDTHS[codes.min()]) + epsilon
-        table[: len(HUNDREDTHS)] = _weights(HUNDREDTHS + epsilon, least, cost)
+        table[: len(HUNDREDTHS)] = HUNDREDTHS + epsilon
         cells: NDArray[np.int8] | NDArray[np.float64] = codes
+        _weigh(table, least, cost)
     else:
         cells, least = _exact(risk, admissible, epsilon)
         for rows in _blocks(cells):
-            cells[rows] = _weights(cells[rows], least, cost)
+            _weigh(cells[rows], least, cost)
+    most = np.array([1.0 + epsilon])
+    _weigh(most, least, cost)
     informed = cost != "g3" and least >= _LEAST_RISK
-    most = float(_weights(np.array([1.0 + epsilon]), least, cost)[0])
-    return CostField(cells, table, codes is not None, float(informed), most, cost == "g3")
+    return CostField(
+        cells, table, codes is not None, float(informed), float(most[0]), cost == "g3"
+    )
 
 
-def _weights(mu: NDArray[np.float64], least: float, cost: str) -> NDArray[np.float64]:
-    if cost == "g3":
-        return mu  # h = 0 (section IV-A2)
-    weights = mu / least if least >= _LEAST_RISK else mu
-    return weights * weights if cost == "g2" else weights
+def _weigh(mu: NDArray[np.float64], least: float, cost: str) -> None:
+    """Turn risks with epsilon into costs, in place; for A3 they are the same."""
+    if cost != "g3" and least >= _LEAST_RISK:
+        mu /= least
+    if cost == "g2":
+        mu *= mu
+
+
+def _rows(values: NDArray[np.int8] | NDArray[np.float64]) -> int:
+    """Return the number of rows of a block."""
+    return max(1, _BLOCK // int(values.shape[1]))
 
 
 def _blocks(values: NDArray[np.int8] | NDArray[np.float64]) -> list[slice]:
     """Return slices that part the rows."""
-    step = max(1, _BLOCK // values.shape[1])
+    step = _rows(values)
     return [slice(row, row + step) for row in range(0, len(values), step)]
 
 
 def _codes(risk: NDArray[np.float64], admissible: NDArray[np.bool_]) -> NDArray[np.int8] | None:
     """Return the codes of a map with its border, None if its risks are no hundredths."""
     codes = np.full((risk.shape[0] + 2, risk.shape[1] + 2), NO_ENTRY, np.int8)
+    inner = codes[1:-1, 1:-1]
+    hundredths, back = np.empty((2, _rows(risk), risk.shape[1]))
     for rows in _blocks(risk):
-        hundredths = np.rint(risk[rows] * 100.0)
-        if not (hundredths / 100.0 == risk[rows]).all():
+        values = risk[rows]
+        h, b = hundredths[: len(values)], back[: len(values)]
+        np.rint(np.multiply(values, 100.0, out=h), out=h)
+        if not (np.divide(h, 100.0, out=b) == values).all():
             return None
-        inner = codes[1:-1, 1:-1][rows]
-        np.copyto(inner, hundredths, casting="unsafe", where=admissible[rows])
+        inner[rows] = h
+        # All bits of NO_ENTRY are set.
+        inner[rows] |= (~admissible[rows]).view(np.int8) * np.int8(NO_ENTRY)
     return codes
 
 

@@ -208,10 +208,23 @@ def best_first(
     expanded = control[EXPANDED]
     lowest = control[LOWEST]
     highest = control[HIGHEST]
+    # The least of the entries that the last expansion made, where that is hot: often the next
+    # in turn, and then it need not pass through the heap.
+    held = -1
+    held_estimate = 0.0
+    held_tie = 0
     over = False
     while True:
         slot = bucket & mask
-        if hot == 0 or buckets[slot] >= 0:
+        if held >= 0:
+            cell = held & _INDEX
+            held = -1
+        elif hot > 0 and buckets[slot] < 0:
+            cell = hot_cells[0] & _INDEX
+            hot -= 1
+            if hot > 0:
+                _drop_first(hot_estimates, hot_ties, hot_cells, hot)
+        else:
             if hot == 0 and waiting == 0:
                 over = True
                 break
@@ -223,20 +236,15 @@ def best_first(
                 entry = entry & _INDEX
                 cell = queued_cells[entry] & _INDEX
                 if state[cell] < CLOSED:
-                    if hot == 0:
-                        hot_estimates[0] = queued_estimates[entry]
-                        hot_ties[0] = queued_ties[entry]
-                        hot_cells[0] = cell
-                    else:
-                        _sift_up(
-                            hot_estimates,
-                            hot_ties,
-                            hot_cells,
-                            hot,
-                            queued_estimates[entry],
-                            queued_ties[entry],
-                            cell,
-                        )
+                    _sift_up(
+                        hot_estimates,
+                        hot_ties,
+                        hot_cells,
+                        hot,
+                        queued_estimates[entry],
+                        queued_ties[entry],
+                        cell,
+                    )
                     hot += 1
                 following = links[entry]
                 links[entry] = free
@@ -248,17 +256,15 @@ def best_first(
             if entry >= 0:
                 break
             continue
-        if room < 8 or hot + 8 > len(hot_cells):
-            break
-        cell = hot_cells[0] & _INDEX
-        hot -= 1
-        if hot > 0:
-            _drop_first(hot_estimates, hot_ties, hot_cells, hot)
         arrival = state[cell] & _INDEX
         if arrival >= CLOSED:
             continue  # a dearer entry of a cell that was queued again
         if cell == goal:
             over = True
+            break
+        if room < 8 or hot + 8 > len(hot_cells):
+            _sift_up(hot_estimates, hot_ties, hot_cells, hot, 0.0, 0, cell)
+            hot += 1
             break
         state[cell] = arrival + CLOSED
         expanded += 1
@@ -313,8 +319,23 @@ def best_first(
             tie = left if bottleneck else (reached_length + left) * _LEFT + left
             turn = int(estimate * fineness)
             if turn <= bucket:
-                _sift_up(hot_estimates, hot_ties, hot_cells, hot, estimate, tie, neighbour)
-                hot += 1
+                if (
+                    held < 0
+                    or estimate < held_estimate
+                    or (
+                        estimate == held_estimate
+                        and (tie < held_tie or (tie == held_tie and neighbour < held))
+                    )
+                ):
+                    other, other_estimate, other_tie = held, held_estimate, held_tie
+                    held, held_estimate, held_tie = neighbour, estimate, tie
+                else:
+                    other, other_estimate, other_tie = neighbour, estimate, tie
+                if other >= 0:
+                    _sift_up(
+                        hot_estimates, hot_ties, hot_cells, hot, other_estimate, other_tie, other
+                    )
+                    hot += 1
             else:
                 entry = free & _INDEX
                 free = links[entry]
@@ -326,6 +347,15 @@ def best_first(
                 queued_cells[entry] = neighbour
                 links[entry] = buckets[slot]
                 buckets[slot] = entry
+        if held >= 0 and hot > 0:
+            first = hot_estimates[0]
+            if first < held_estimate or (
+                first == held_estimate
+                and (hot_ties[0] < held_tie or (hot_ties[0] == held_tie and hot_cells[0] < held))
+            ):
+                _sift_up(hot_estimates, hot_ties, hot_cells, hot, held_estimate, held_tie, held)
+                hot += 1
+                held = -1
     control[FREE] = free
     control[ROOM] = room
     control[HOT] = hot

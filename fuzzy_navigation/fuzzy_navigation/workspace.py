@@ -116,7 +116,7 @@ class Workspace:
                     break
                 self._make_room(control)
             path = np.empty((0, 2), np.int64)
-            if self._state[target] > 0:
+            if 0 < self._state[target] < kernels.BLOCKED:
                 path = kernels.trace(self._state, width, origin, target)
         finally:
             touched = slice(

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy_map_building.types import Pose2
-from nomad_sim import ray_casting
 from nomad_sim.params import InfraredParameters
 from nomad_sim.surfaces import Surfaces
 
@@ -63,8 +62,4 @@ class InfraredRing:
         angles = self._bearings + pose.theta
         directions = np.stack([np.cos(angles), np.sin(angles)], axis=1)
         starts = directions * p.mount_radius + (pose.x, pose.y)
-        if p.sees_glass:
-            segments, circles = surfaces.segments, surfaces.circles
-        else:
-            segments, circles = surfaces.seen_by_infrared
-        return ray_casting.cast_rays(starts, directions, segments, circles)
+        return surfaces.cast_rays(starts, directions, sees_glass=p.sees_glass)

@@ -23,6 +23,7 @@ __all__ = [
     "TOUCHING",
     "cast_rays",
     "crossings",
+    "hits",
     "inside",
     "nearest",
     "nearest_distance",
@@ -37,6 +38,37 @@ TOUCHING = -1e-6
 
 # Share of a segment by which it counts as longer, so that no ray slips through a joint.
 _JOINT = 1e-12
+
+
+@njit
+def hits(
+    x: float, y: float, ux: float, uy: float, t_min: float, t_max: float, segment: FloatArray
+) -> float:
+    """Return where a ray meets a segment, ``inf`` where that is not between two ways.
+
+    Parameters
+    ----------
+    x, y, ux, uy : float
+        Start [m] and direction of the ray, of length 1.
+    t_min, t_max : float
+        Ways [m] between which it counts, themselves excluded.
+    segment : ndarray of float64, shape (4,)
+        End points x0, y0, x1, y1 [m].
+    """
+    x0 = segment[0]
+    y0 = segment[1]
+    ex = segment[2] - x0
+    ey = segment[3] - y0
+    denominator = ux * ey - uy * ex
+    if denominator == 0.0:
+        return math.inf
+    qx = x0 - x
+    qy = y0 - y
+    t = (qx * ey - qy * ex) / denominator
+    if t <= t_min or t >= t_max:
+        return math.inf
+    w = (qx * uy - qy * ux) / denominator
+    return t if -_JOINT <= w <= 1.0 + _JOINT else math.inf
 
 
 @njit
@@ -79,20 +111,8 @@ def nearest(
     for i in range(segments.shape[0]):
         if i == skip:
             continue
-        x0 = segments[i, 0]
-        y0 = segments[i, 1]
-        ex = segments[i, 2] - x0
-        ey = segments[i, 3] - y0
-        denominator = ux * ey - uy * ex
-        if denominator == 0.0:
-            continue
-        qx = x0 - x
-        qy = y0 - y
-        t = (qx * ey - qy * ex) / denominator
-        if t <= t_min or t >= best:
-            continue
-        w = (qx * uy - qy * ux) / denominator
-        if -_JOINT <= w <= 1.0 + _JOINT:
+        t = hits(x, y, ux, uy, t_min, best, segments[i])
+        if t < best:
             best = t
             surface = i
     for j in range(circles.shape[0]):

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nomad_sim import ray_casting
+from nomad_sim.segment_index import SegmentIndex
 
 __all__ = ["MAX_CROSSINGS", "Outline", "Surfaces"]
 
@@ -31,6 +32,8 @@ _STRAIGHT = math.radians(5.0)
 _SAME = 1e-6
 # How far from a vertex it is looked whether a sector is free [m].
 _PROBE = 1e-4
+# From so many segments on, rays find them by an index.
+_MANY = 500
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,6 +148,8 @@ class Surfaces:
         Edges, corners and free ends, which echo in every direction [m].
     marks : ndarray of float64, shape (P, 2)
         Every point where the nearest surface can change: all ends and crossings [m].
+    parts : tuple of Surfaces
+        What these surfaces were joined from; none: they are no others joined.
     """
 
     segments: FloatArray
@@ -154,6 +159,7 @@ class Surfaces:
     solids: IntArray
     edges: FloatArray
     marks: FloatArray
+    parts: tuple[Surfaces, ...] = ()
 
     @classmethod
     def of(cls, outlines: Sequence[Outline]) -> Surfaces:
@@ -195,6 +201,7 @@ class Surfaces:
             circles=self.circles + np.array([x, y, 0.0]),
             edges=self.edges + np.array([x, y]),
             marks=self.marks + np.array([x, y]),
+            parts=tuple(part.shifted(x, y) for part in self.parts),
         )
 
     def joined(self, others: Sequence[Surfaces]) -> Surfaces:
@@ -219,6 +226,7 @@ class Surfaces:
             ),
             edges=np.concatenate([p.edges for p in parts]),
             marks=np.concatenate([p.marks for p in parts] + [met]),
+            parts=parts,
         )
 
     @cached_property
@@ -226,6 +234,44 @@ class Surfaces:
         """Segments and circles that send infrared light back, shapes (N', 4) and (M', 3)."""
         count = len(self.segments)
         return self.segments[self.opaque[:count]], self.circles[self.opaque[count:]]
+
+    @cached_property
+    def _index(self) -> SegmentIndex:
+        return SegmentIndex.of(self.segments)
+
+    @cached_property
+    def _infrared_index(self) -> SegmentIndex:
+        return SegmentIndex.of(self.seen_by_infrared[0])
+
+    def cast_rays(
+        self, starts: FloatArray, directions: FloatArray, *, sees_glass: bool
+    ) -> FloatArray:
+        """Return the way along each ray to the first surface.
+
+        Parameters
+        ----------
+        starts, directions : ndarray of float64, shape (R, 2)
+            Starts [m] and unit vectors.
+        sees_glass : bool
+            Whether surfaces that let infrared light through count.
+
+        Returns
+        -------
+        ndarray of float64, shape (R,)
+            Ways [m], ``inf`` where a ray meets nothing.
+        """
+        segments, circles = self.seen_by_infrared
+        if sees_glass:
+            segments, circles = self.segments, self.circles
+        if len(segments) < _MANY:
+            return ray_casting.cast_rays(starts, directions, segments, circles)
+        if self.parts:
+            # The index of what stands still outlives this moment.
+            ways = [p.cast_rays(starts, directions, sees_glass=sees_glass) for p in self.parts]
+            nearest: FloatArray = np.minimum.reduce(ways)
+            return nearest
+        index = self._index if sees_glass else self._infrared_index
+        return index.cast_rays(starts, directions, circles)
 
     def distance(self, x: float, y: float) -> float:
         """Return the distance [m] of (x, y) [m] to the nearest surface, negative inside."""

@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from nomad_sim.beam import foot, wrapped
 from nomad_sim.echo import echo_range
 from nomad_sim.ray_casting import cast_rays, inside, nearest_distance
+from nomad_sim.segment_index import SegmentIndex
 from nomad_sim.surfaces import Outline, Surfaces
 
 REACH = 6.5
@@ -132,6 +133,83 @@ def test_rays_meet_what_the_marcher_meets(surfaces, degrees):
     # The marcher stops when it grazes a surface within its tolerance; that is no crossing.
     same = np.isclose(cast, marched, atol=1e-4) | (np.isinf(cast) & np.isinf(marched))
     assert same.all()
+
+
+@settings(max_examples=100)
+@given(
+    random_surfaces(), st.integers(-180, 179), coordinate, coordinate, st.sampled_from([1, 1e3])
+)
+def test_the_index_finds_what_a_look_at_all_finds(surfaces, degrees, x, y, scale):
+    """To the last bit, also from outside, along the axes and the squares' sides, and far away."""
+    assume(len(surfaces.segments))
+    segments, circles = scale * surfaces.segments, scale * surfaces.circles
+    angles = np.append(
+        math.radians(degrees) + np.linspace(-3.0, 3.0, 60), np.arange(8) * np.pi / 4
+    )
+    directions = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    directions = np.concatenate([directions, [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]]])
+    # The last starts are ends of segments and points on them.
+    starts = np.tile([scale * x, scale * y], (len(directions), 1))
+    starts[-8:-4] = segments[0, :2]
+    starts[-4:] = segments[-1].reshape(2, 2).mean(axis=0)
+    index = SegmentIndex.of(segments)
+    np.testing.assert_array_equal(
+        index.cast_rays(starts, directions, circles),
+        cast_rays(starts, directions, segments, circles),
+    )
+
+
+@pytest.mark.parametrize("length", [0.3, 40.0])
+def test_the_index_of_many_segments(length):
+    rng = np.random.default_rng(4)
+    ends = rng.uniform(-40.0, 40.0, (3000, 2))
+    angles = rng.uniform(0.0, 7.0, 3000)
+    angles[::3] = 0.0  # many lie along the squares
+    along = length * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    segments = np.hstack([ends, ends + along])
+    starts = rng.uniform(-60.0, 60.0, (500, 2))
+    turns = rng.uniform(0.0, 7.0, 500)
+    directions = np.stack([np.cos(turns), np.sin(turns)], axis=1)
+    index = SegmentIndex.of(segments)
+    cast = index.cast_rays(starts, directions, np.empty((0, 3)))
+    np.testing.assert_array_equal(cast, cast_rays(starts, directions, segments, np.empty((0, 3))))
+    assert 50 < np.isfinite(cast).sum() <= 500
+    # Each segment is known to few squares: that is what makes it quick.
+    assert len(index.members) < 30 * len(segments)
+
+
+def test_an_index_refuses_what_is_no_segments():
+    with pytest.raises(ValueError, match=r"shape \(1 or more, 4\), got \(0, 4\)"):
+        SegmentIndex.of(np.empty((0, 4)))
+    with pytest.raises(ValueError, match="finite"):
+        SegmentIndex.of(np.array([[0.0, 0.0, np.inf, 1.0]]))
+
+
+def test_worlds_of_many_segments_are_seen_as_those_of_few():
+    """Walls of glass and wood, a thing in front of them, and all of it once more elsewhere."""
+    rng = np.random.default_rng(6)
+    ends = rng.uniform(1.0, 20.0, (1200, 2))
+    walls = np.hstack([ends, ends + rng.uniform(0.01, 0.02, (1200, 2))])
+    nothing = np.empty((0, 2))
+
+    def surfaces(segments, opaque):
+        return Surfaces(
+            segments, np.empty((0, 3)), np.ones(len(segments)), opaque,
+            np.empty((0, 2), np.int64), nothing, nothing,
+        )  # fmt: skip
+
+    still = surfaces(walls, rng.random(1200) < 0.7)
+    mover = surfaces(np.array([[2.0, -3.0, 2.0, 3.0]]), np.array([True]))
+    turns = rng.uniform(-0.5, 2.0, 300)
+    directions = np.stack([np.cos(turns), np.sin(turns)], axis=1)
+    starts = np.zeros((300, 2))
+    for world in (still, still.joined([mover]), still.joined([mover]).shifted(-0.5, 0.25)):
+        for glass in (True, False):
+            seen = world.segments if glass else world.seen_by_infrared[0]
+            np.testing.assert_array_equal(
+                world.cast_rays(starts, directions, sees_glass=glass),
+                cast_rays(starts, directions, seen, np.empty((0, 3))),
+            )
 
 
 @settings(max_examples=80)
