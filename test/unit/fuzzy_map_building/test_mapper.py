@@ -82,6 +82,63 @@ def test_with_the_apex_at_the_mounts_it_does_not() -> None:
     assert mapper.motion_risk[distance < 0.4].min() > 0.9
 
 
+def test_what_is_switched_off_changes_no_bit() -> None:
+    # Whatever its parameters, and whatever infrareds see.
+    switched_off = {
+        "consistency.half_width": 0.4,
+        "consistency.floor": 0.9,
+        "infrared.mount_radius": 0.1,
+        "infrared_evidence.certainty": 1.0,
+        "sonar_guard.enabled": True,
+        "sonar_guard.perception_reach": 5.0,
+    }
+    plain, other = FuzzyMapper(LAB), FuzzyMapper(LAB, mapper_parameters(overrides=switched_off))
+    for seed in range(3):
+        pose = Pose2(3.0 + 0.3 * seed, 3.0, 0.5 * seed)
+        sonar = perception(pose, seed)
+        rays = [InfraredReading(pose, math.radians(22.5 * i), 0.2) for i in range(16)]
+        plain.update(sonar)
+        report = other.update([*sonar[:20], *rays, *sonar[20:]])
+        assert (report.accepted, report.rejected) == (48, {"no_model": 16})
+        assert_same(other, snapshot(plain))
+
+
+def test_infrareds_touch_their_rays_and_nothing_else() -> None:
+    # Sonars and infrareds of places 2 m apart: a window that holds both, and cells of neither.
+    mapper = FuzzyMapper(LAB, mapper_parameters("consistent"))
+    mapper.update(perception(Pose2(3.8, 3.1), 3))
+    before = snapshot(mapper)
+    here, there = Pose2(5.0, 1.0), Pose2(2.0, 4.9, 1.0)
+    rays = [InfraredReading(there, math.radians(22.5 * i), math.inf) for i in range(16)]
+    report = mapper.update([*perception(here, 4, ranges=0.3), *rays])
+    assert (report.accepted, report.infrared_accepted) == (48, 16)
+    x, y = LAB.centres()
+    near = np.zeros(LAB.shape, dtype=bool)
+    for pose, reach in ((here, 0.63), (there, 0.83)):
+        near |= np.hypot(x[None, :] - pose.x, y[:, None] - pose.y) <= reach + 1e-9
+    window = np.zeros(LAB.shape, dtype=bool)
+    window[report.window.slices] = True
+    assert window.sum() > 2 * near.sum()
+    for name in ARRAYS:
+        after = getattr(mapper, name)
+        np.testing.assert_array_equal(after[~near], before[name][~near])
+        assert not np.array_equal(after[near], before[name][near])
+    assert window[near].all()
+
+
+def test_infrareds_alone_are_no_perception() -> None:
+    mapper = FuzzyMapper(LAB, mapper_parameters("consistent"))
+    before = snapshot(mapper)
+    pose = Pose2(3.8, 3.1)
+    rays = [InfraredReading(pose, 0.4 * i, 0.3) for i in range(16)]
+    for sonar in ([], [SonarReading(pose, 0.0, math.nan)]):
+        report = mapper.update([*sonar, *rays])
+        assert (report.accepted, report.infrared_accepted) == (0, 0)
+        assert report.infrared_rejected == {"no_sonar": 16}
+        assert_same(mapper, before)
+    assert mapper.perceptions == 0
+
+
 def test_outside_the_visibility_circle_no_bit_changes() -> None:
     mapper = FuzzyMapper(LAB)
     for seed in range(6):
