@@ -69,8 +69,11 @@ def guard_points(
         Points (x, y) [m] in ``map``: for each of n returns, on its axis and at
         ``guard.spread`` on either side.
     """
+    short = _short(sonar, sonar_p, reach + robot_radius)
+    if not short:
+        return np.zeros((0, 2))
     seen = InfraredPacket.from_readings(infrared, infrared_p)
-    centre, direction, distance = _unexplained(sonar, seen, sonar_p, guard, reach + robot_radius)
+    centre, direction, distance = _unexplained(short, seen, sonar_p, guard)
     angles = direction[:, None] + np.array([0.0, guard.spread, -guard.spread])
     rays = np.stack((np.cos(angles), np.sin(angles)), axis=2)
     points: FloatArray = (centre[:, None, :] + distance[:, None, None] * rays).reshape(-1, 2)
@@ -101,8 +104,11 @@ def cut_rays(
         lies within ``guard.angle`` of the ray.
     """
     cut = list(infrared)
+    short = _short(sonar, sonar_p, reach + robot_radius)
+    if not short:
+        return cut
     seen = InfraredPacket.from_readings(infrared, infrared_p)
-    centre, direction, distance = _unexplained(sonar, seen, sonar_p, guard, reach + robot_radius)
+    centre, direction, distance = _unexplained(short, seen, sonar_p, guard)
     if not len(distance):
         return cut
     rays = np.column_stack((np.cos(direction), np.sin(direction)))
@@ -115,23 +121,35 @@ def cut_rays(
     return cut
 
 
+def _short(
+    sonar: Sequence[SonarReading], sonar_p: SonarParameters, below: float
+) -> list[SonarReading]:
+    """Return the readings with a return from below a distance from the robot's centre [m]."""
+    low, high = sonar_p.min_range, sonar_p.max_range
+    return [
+        reading
+        for reading in sonar
+        if (low <= reading.range <= high or reading.range == -np.inf)
+        and max(reading.range, low) + sonar_p.mount_radius < below
+    ]
+
+
 def _unexplained(
-    sonar: Sequence[SonarReading],
+    short: Sequence[SonarReading],
     seen: InfraredPacket,
     sonar_p: SonarParameters,
     guard: SonarGuardParameters,
-    below: float,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return centre, direction and distance of the returns below a distance without a hit."""
+    """Return centre, direction and distance of those of some returns that have no hit."""
     table = np.array(
-        [(r.pose.x, r.pose.y, r.pose.theta + r.bearing, r.range) for r in sonar],
+        [
+            (r.pose.x, r.pose.y, r.pose.theta + r.bearing, max(r.range, sonar_p.min_range))
+            for r in short
+        ],
         dtype=np.float64,
-    ).reshape(-1, 4)
-    ranges = np.where(table[:, 3] == -np.inf, sonar_p.min_range, table[:, 3])
-    echo = (ranges >= sonar_p.min_range) & (ranges <= sonar_p.max_range)
-    short = echo & (ranges + sonar_p.mount_radius < below)
-    centre, direction = table[short, :2], table[short, 2]
-    distance = ranges[short] + sonar_p.mount_radius
+    )
+    centre, direction = table[:, :2], table[:, 2]
+    distance = table[:, 3] + sonar_p.mount_radius
     to, away = _polar(seen.hit_points(), centre)
     explained = (
         (_between(to, direction[:, None]) <= guard.angle + _ROUNDING)

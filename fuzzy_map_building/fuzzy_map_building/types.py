@@ -37,6 +37,8 @@ class Pose2:
     theta: float = 0.0
 
     def __post_init__(self) -> None:
+        if math.isfinite(self.x) and math.isfinite(self.y) and math.isfinite(self.theta):
+            return
         for name in ("x", "y", "theta"):
             value = getattr(self, name)
             if not math.isfinite(value):
@@ -83,6 +85,8 @@ class RangeReading:
             raise ValueError(f"{type(self).__name__}.pose must be a Pose2, got {self.pose!r}")
         if isinstance(self.range, (str, bytes)) or not hasattr(self.range, "__float__"):
             raise ValueError(f"{type(self).__name__}.range must be a number, got {self.range!r}")
+        if math.isfinite(self.bearing) and math.isfinite(self.stamp):
+            return
         for name in ("bearing", "stamp"):
             value = getattr(self, name)
             if not math.isfinite(value):
