@@ -21,7 +21,7 @@ setup(
     maintainer_email="fuzzy-navigation@example.org",
     description="Simulates a NOMAD 200 with sonar ring, turret and infrared sensors.",
     license="Apache-2.0",
-    extras_require={"test": ["pytest"]},
+    extras_require={"test": ["pytest"], "cluster": ["distributed"]},
     entry_points={
         "console_scripts": [
             "sim = nomad_sim.ros.entry:sim",

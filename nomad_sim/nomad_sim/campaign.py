@@ -3,6 +3,7 @@
 """Many missions without ROS, one for each seed, in parallel processes: how often, how well.
 
 ``ros2 run nomad_sim campaign --world lab --seeds 20 --jobs 2``
+``ros2 run nomad_sim campaign --generated 1000 --jobs 2 --output results``
 """
 
 from __future__ import annotations
@@ -36,6 +37,7 @@ from nomad_sim.campaign_table import (
 from nomad_sim.headless import HeadlessMission
 from nomad_sim.missions import MissionResult, run_spec
 from nomad_sim.reference import MISSIONS
+from nomad_sim.trial_campaign import run_trials
 from nomad_sim.workers import run_in_parallel
 
 __all__ = ["main", "run_batch"]
@@ -82,6 +84,10 @@ def _good_enough(done: BatchResults) -> bool:
 
 def _run(options: Options) -> int:
     """Run batch after batch; show and write what is there after each."""
+    if options.trials is not None:
+        return run_trials(
+            options.trials, options.jobs, options.cluster, options.output, options.as_json
+        )
     done: list[BatchResults] = []
     table = not options.as_json
     reference = options.batches[0].method is not None

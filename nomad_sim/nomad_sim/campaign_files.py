@@ -20,7 +20,15 @@ from nomad_sim.campaign_table import Summary
 from nomad_sim.missions import MissionResult
 from nomad_sim.reference import MISSIONS
 
-__all__ = ["BatchResults", "campaign_document", "mission_document", "to_json", "write_campaign"]
+__all__ = [
+    "FORMAT",
+    "BatchResults",
+    "campaign_document",
+    "mission_document",
+    "to_json",
+    "versions",
+    "write_campaign",
+]
 
 #: Layout of the documents; raised when a key changes its meaning.
 FORMAT = 1
@@ -45,14 +53,15 @@ class BatchResults:
     summary: Summary
 
 
-def _versions() -> dict[str, str]:
-    versions = {"python": platform.python_version()}
+def versions() -> dict[str, str]:
+    """Return the versions that results may depend on, by name."""
+    found = {"python": platform.python_version()}
     for name in ("numpy", "numba"):
         try:
-            versions[name] = metadata.version(name)
+            found[name] = metadata.version(name)
         except metadata.PackageNotFoundError:
-            versions[name] = "none"
-    return versions
+            found[name] = "none"
+    return found
 
 
 def _finite(value: Any) -> Any:
@@ -86,7 +95,7 @@ def campaign_document(done: Sequence[BatchResults]) -> dict[str, Any]:
     """Return all results, with what is needed to run each mission again."""
     return {
         "format": FORMAT,
-        "versions": _versions(),
+        "versions": versions(),
         "batches": [
             {
                 "name": d.batch.name,
@@ -113,7 +122,7 @@ def mission_document(
     """Return one mission with its perceptions."""
     return {
         "format": FORMAT,
-        "versions": _versions(),
+        "versions": versions(),
         "name": batch.name,
         "settings": _settings(batch),
         "mission": asdict(result) | {"replay": batch.replay_command(result.seed)},

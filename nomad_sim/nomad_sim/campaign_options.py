@@ -7,43 +7,36 @@ from __future__ import annotations
 import os
 import secrets
 import shlex
-from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
+from argparse import Namespace
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 from fuzzy_map_building.parameter_schema import suggest
-from fuzzy_map_building.params import DEFAULT_PRESET, PRESETS
+from fuzzy_map_building.params import PRESETS
 from fuzzy_navigation.params import MOTION_PRESETS, PLANNER_PRESETS
+from nomad_sim.campaign_parser import PROGRAM, campaign_parser
 from nomad_sim.missions import MissionSpec
 from nomad_sim.output_folder import made_folder
 from nomad_sim.overrides import critical_angles, parameter_overrides
 from nomad_sim.reference import MISSIONS, ROWS
+from nomad_sim.trials import Rules, Trial, TrialBatch
 from nomad_sim.world import World
-from nomad_sim.world_io import load_world, world_names
+from nomad_sim.world_io import load_world
+from nomad_sim.worlds import KINDS
+from nomad_sim.worlds.floor_plan import PLAN_KIND, PLAN_RECIPE, load_floor_plan
+from nomad_sim.worlds.generated import RECIPE
 
 __all__ = ["PROGRAM", "Batch", "Options", "parse_options"]
 
-PROGRAM = "campaign"
 _COMMAND = ("ros2", "run", "nomad_sim", PROGRAM)
 #: Most missions of one batch.
 _MOST_SEEDS = 100_000
 #: A first seed drawn anew stays short enough to be typed.
 _FRESH_SEEDS = 2**31
 _LAST_SEED = 2**63 - 1
-
-_EPILOG = """examples:
-  campaign --world lab --seeds 20 --jobs 2
-  campaign --world office --set simulator.sonar.beam_half_angle=12.5deg --output results
-  campaign --world office --replay 7 --output seed7 --figures every
-  campaign --reference --row clutter --row office --seeds 20 --output results
-
-exit code: 0 if every verdict was true and nothing was touched (--reference: if each row
-reached at least the method's share and nothing was touched), 1 if not, 2 if the options
-cannot be, 130 after Ctrl-C.
-"""
 
 
 @dataclass(frozen=True)
@@ -81,9 +74,13 @@ class Options:
     Parameters
     ----------
     batches : tuple of Batch
-        The missions.
+        The missions; of trials the first alone.
+    trials : TrialBatch or None
+        Missions in worlds that are drawn.
     jobs : int
         Most processes at a time.
+    cluster : str or None
+        Address of the Dask scheduler that is to run trials.
     output : Path or None
         Folder for results.
     as_json : bool
@@ -95,92 +92,32 @@ class Options:
     """
 
     batches: tuple[Batch, ...]
+    trials: TrialBatch | None
     jobs: int
+    cluster: str | None
     output: Path | None
     as_json: bool
     replay: bool
     every_figure: bool
 
 
-class _Parser(ArgumentParser):
-    """An argument parser whose complaints are one line."""
-
-    def error(self, message: str) -> NoReturn:
-        self.exit(2, f"{self.prog}: {message}\n")
-
-    def known_options(self) -> list[str]:
-        return [name for name in self._option_string_actions if name.startswith("--")]
-
-
-def _parser() -> _Parser:
-    parser = _Parser(
-        PROGRAM,
-        description="Run many missions without ROS, one for each seed, and sum them up.",
-        epilog=_EPILOG,
-        formatter_class=RawDescriptionHelpFormatter,
-        allow_abbrev=False,
-    )
-    what = parser.add_argument_group("what to run")
-    what.add_argument("--world", help=f"a world file, or one of {', '.join(world_names())}")
-    what.add_argument(
-        "--reference", action="store_true", help="the worlds that the method was measured in"
-    )
-    what.add_argument(
-        "--row", action="append", metavar="NAME", help="only this row of --reference; repeatable"
-    )
-    what.add_argument("--seeds", type=int, default=MISSIONS, metavar="N", help="missions (20)")
-    what.add_argument("--first-seed", type=int, metavar="N", help="seed of the first (1)")
-    what.add_argument("--fresh", action="store_true", help="draw the first seed, and say it")
-    what.add_argument(
-        "--start-spread",
-        type=float,
-        default=0.3,
-        metavar="M",
-        help="how far a start is from the world's in x and y at most, in metres, at any "
-        "heading; 0: the world's start (0.3)",
-    )
-    rules = parser.add_argument_group("rules and world")
-    rules.add_argument("--preset", default=DEFAULT_PRESET, help=f"rule set ({DEFAULT_PRESET})")
-    rules.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="NAME=VALUE",
-        help="a parameter of mapper, planner, motion or simulator, such as "
-        "mapper.evidence.k_empty=0.3; angles with deg behind them; repeatable",
-    )
-    rules.add_argument(
-        "--critical-angle",
-        action="append",
-        default=[],
-        metavar="MATERIAL=DEG",
-        help="critical angle of a material, such as painted_wall=25; repeatable",
-    )
-    how = parser.add_argument_group("how")
-    how.add_argument(
-        "--jobs",
-        type=int,
-        default=len(os.sched_getaffinity(0)),
-        metavar="N",
-        help="missions at a time (all cores)",
-    )
-    how.add_argument("--output", metavar="FOLDER", help="write CSV and JSON there")
-    how.add_argument("--json", action="store_true", help="print JSON in place of tables")
-    how.add_argument(
-        "--replay", type=int, metavar="SEED", help="run one mission and tell its perceptions"
-    )
-    how.add_argument(
-        "--figures",
-        choices=("last", "every"),
-        help="draw a replay into --output at its end or at every perception (last)",
-    )
-    return parser
-
-
 def _chosen(kind: str, name: str, known: Collection[str]) -> str:
     if name not in known:
         raise ValueError(f"unknown {kind} '{name}'{suggest(name, known)}")
     return name
+
+
+def _drawn(given: Namespace) -> bool:
+    """Whether each mission has a world of its own, drawn by its seed."""
+    return given.generated is not None or given.floor_plan is not None
+
+
+def _count(given: Namespace) -> int:
+    if given.generated is not None:
+        return int(given.generated)
+    if given.missions is not None:
+        return int(given.missions)
+    return int(given.seeds) if given.seeds is not None else MISSIONS
 
 
 def _seeds(given: Namespace) -> range:
@@ -191,22 +128,26 @@ def _seeds(given: Namespace) -> range:
     else:
         if given.fresh and given.first_seed is not None:
             raise ValueError("either --first-seed or --fresh")
-        first, count = given.first_seed, given.seeds
+        first, count = given.first_seed, _count(given)
         if given.fresh:
             first = secrets.randbelow(_FRESH_SEEDS)
         elif first is None:
             first = 1
     if not 1 <= count <= _MOST_SEEDS:
-        raise ValueError(f"--seeds must be from 1 to {_MOST_SEEDS}, got {count}")
+        option = "--seeds"
+        if _drawn(given):
+            option = "--generated" if given.generated is not None else "--missions"
+        raise ValueError(f"{option} must be from 1 to {_MOST_SEEDS}, got {count}")
     if not 0 <= first <= _LAST_SEED - count:
         raise ValueError(f"a seed must be from 0 to {_LAST_SEED - count}, got {first}")
     return range(first, first + count)
 
 
 def _command(given: Namespace, *what: str) -> tuple[str, ...]:
-    """Return the command that the batch's missions come from, without seeds."""
+    """Return the command that missions come from, without seeds."""
     words = [*_COMMAND, *what, "--preset", given.preset]
-    words += ["--start-spread", repr(given.start_spread)]
+    if not _drawn(given):
+        words += ["--start-spread", repr(_spread(given))]
     for assignment in given.set:
         words += ["--set", assignment]
     for assignment in given.critical_angle:
@@ -214,29 +155,71 @@ def _command(given: Namespace, *what: str) -> tuple[str, ...]:
     return tuple(words)
 
 
-def _batches(given: Namespace) -> tuple[Batch, ...]:
-    seeds = _seeds(given)
+def _spread(given: Namespace) -> float:
+    spread = 0.3 if given.start_spread is None else float(given.start_spread)
+    if not 0.0 <= spread <= 1000.0:
+        raise ValueError(f"--start-spread must be from 0 to 1000 m, got {spread:g}")
+    return spread
+
+
+def _rules(given: Namespace) -> Rules:
     everywhere = set(PRESETS) & set(PLANNER_PRESETS) & set(MOTION_PRESETS)
-    preset = _chosen("preset", given.preset, everywhere)
     values = parameter_overrides(given.set)
-    angles = critical_angles(given.critical_angle)
-    if not 0.0 <= given.start_spread <= 1000.0:
-        raise ValueError(f"--start-spread must be from 0 to 1000 m, got {given.start_spread:g}")
+    return Rules(
+        _chosen("preset", given.preset, everywhere),
+        **values,
+        critical_angles=critical_angles(given.critical_angle),
+    )
+
+
+def _trials(given: Namespace) -> TrialBatch:
+    rules, seeds = _rules(given), _seeds(given)
+    if given.floor_plan is not None:
+        plan = load_floor_plan(given.floor_plan)
+        return TrialBatch(
+            plan.name,
+            f"start and goal in a floor plan, drawn by seeds {seeds[0]} to {seeds[-1]}",
+            tuple(Trial(PLAN_KIND, seed, rules, given.floor_plan) for seed in seeds),
+            {"floor_plan": plan.digest, "recipe": PLAN_RECIPE},
+            _command(given, "--floor-plan", given.floor_plan),
+        )
+    kinds = [_chosen("kind of world", name, KINDS) for name in given.kind or KINDS]
+    # The seed says which, so that one more mission leaves the others as they were.
+    trials = tuple(Trial(kinds[seed % len(kinds)], seed, rules) for seed in seeds)
+    return TrialBatch(
+        "generated",
+        f"worlds drawn by seeds {seeds[0]} to {seeds[-1]}: {', '.join(kinds)}",
+        trials,
+        {"generated": RECIPE},
+        _command(given, "--generated"),
+    )
+
+
+def _single(batch: TrialBatch) -> Batch:
+    """Return the one trial there is as a mission of its own."""
+    (trial,) = batch.trials
+    world = trial.world()
+    command = batch.command_for(trial.kind)
+    return Batch(world.name, world.description, (trial.spec(world),), None, command)
+
+
+def _batches(given: Namespace) -> tuple[Batch, ...]:
+    seeds, spread, rules = _seeds(given), _spread(given), _rules(given)
 
     @cache
     def changed(world: World) -> World:
-        return world.with_critical_angles(angles)
+        return world.with_critical_angles(rules.critical_angles)
 
     def spec(world: World, seed: int, simulator: Mapping[str, Any]) -> MissionSpec:
         return MissionSpec(
             changed(world),
             seed,
-            preset,
-            given.start_spread,
-            values["mapper"],
-            values["planner"],
-            values["motion"],
-            {**simulator, **values["simulator"]},
+            rules.preset,
+            spread,
+            rules.mapper,
+            rules.planner,
+            rules.motion,
+            {**simulator, **rules.simulator},
         )
 
     if given.world is not None:
@@ -263,24 +246,56 @@ def _batches(given: Namespace) -> tuple[Batch, ...]:
     )
 
 
+def _check_trials(given: Namespace) -> None:
+    """Refuse options that do not go with worlds that are drawn, or only with those."""
+    drawn = _drawn(given)
+    if given.generated is not None and given.floor_plan is not None:
+        raise ValueError("either --generated or --floor-plan")
+    if given.kind is not None and given.generated is None:
+        raise ValueError("--kind chooses among the worlds of --generated")
+    if given.missions is not None and given.floor_plan is None:
+        raise ValueError("--missions says how many with --floor-plan")
+    if drawn and given.seeds is not None:
+        raise ValueError("--seeds goes with --world and --reference; see --help")
+    if drawn and given.start_spread is not None:
+        raise ValueError("the seed draws the start: without --start-spread")
+    if given.dask is not None:
+        if not drawn or given.replay is not None:
+            raise ValueError("--dask runs many missions of --generated or --floor-plan")
+        if given.jobs is not None:
+            raise ValueError("either --jobs on this machine or --dask")
+
+
 def _options(given: Namespace) -> Options:
-    if given.reference == (given.world is not None):
-        raise ValueError("either --world or --reference says what to run")
+    if given.reference + (given.world is not None) + _drawn(given) != 1:
+        raise ValueError(
+            "either --world, --reference, --generated or --floor-plan says what to run"
+        )
     if given.row is not None and not given.reference:
         raise ValueError("--row chooses among the rows of --reference")
     if given.replay is not None and given.reference and len(given.row or ()) != 1:
         raise ValueError("--replay runs one mission: with --reference it needs one --row")
     if given.figures is not None and (given.replay is None or given.output is None):
         raise ValueError("--figures draws what --replay runs into the folder of --output")
-    if given.jobs < 1:
-        raise ValueError(f"--jobs must be at least 1, got {given.jobs}")
+    _check_trials(given)
+    jobs = given.jobs if given.jobs is not None else len(os.sched_getaffinity(0))
+    if jobs < 1:
+        raise ValueError(f"--jobs must be at least 1, got {jobs}")
     output = None if given.output is None else made_folder(given.output)
-    batches = _batches(given)
+    trials = _trials(given) if _drawn(given) else None
+    if trials is None:
+        batches = _batches(given)
+    else:
+        # A replay is of this one; otherwise it stands for all.
+        first = replace(trials, trials=trials.trials[:1])
+        batches = (_single(first),)
     for batch in batches:
         batch.specs[0].mission()  # refuses what cannot be before anything has been run
     return Options(
         batches=batches,
-        jobs=given.jobs,
+        trials=trials,
+        jobs=jobs,
+        cluster=given.dask,
         output=output,
         as_json=given.json,
         replay=given.replay is not None,
@@ -296,7 +311,7 @@ def parse_options(arguments: Sequence[str] | None = None) -> Options:
     arguments : sequence of str, optional
         By default those of the process.
     """
-    parser = _parser()
+    parser = campaign_parser()
     given, unknown = parser.parse_known_args(arguments)
     if unknown:
         name = unknown[0].partition("=")[0]

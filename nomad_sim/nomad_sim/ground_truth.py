@@ -5,7 +5,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from enum import Enum
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,14 +17,27 @@ from nomad_sim.params import ROBOT_RADIUS
 from nomad_sim.surfaces import Surfaces
 from nomad_sim.world import World
 
-__all__ = ["occupancy", "reachable"]
+__all__ = [
+    "MARGINAL_CLEARANCE",
+    "Reachability",
+    "WayClearance",
+    "occupancy",
+    "reachability",
+    "reachable",
+    "way_clearance",
+]
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
+#: Clearance of the best way below which a goal is marginal [m].
+MARGINAL_CLEARANCE = 0.05
+
 # Coarsest and finest cells of the search for a way [m].
 _COARSEST = 0.04
 _FINEST = 0.005
+# Step of clearance to which the widest way through the cells is found [m].
+_STEP = 1e-4
 # Share of a cell [m] by which "on its border" is told from "in it".
 _BORDER = 1e-6
 
@@ -112,14 +126,137 @@ def _flood(free: BoolArray, row: int, column: int, diagonal: bool) -> BoolArray:
     return reached
 
 
-def reachable(world: World, robot_radius: float = ROBOT_RADIUS, tolerance: float = 0.0) -> bool:
-    """Whether a disc can get from the world's start to its goal.
+class Reachability(Enum):
+    """What is true of a goal."""
+
+    REACHABLE = "reachable"
+    #: The body fits through, but by less than `MARGINAL_CLEARANCE`; also what cells of 5 mm
+    #: cannot tell from either neighbour.
+    MARGINAL = "marginal"
+    UNREACHABLE = "unreachable"
+
+
+@dataclass(frozen=True)
+class WayClearance:
+    """Bounds of the clearance of the best way: the widest one at its narrowest point.
+
+    Parameters
+    ----------
+    low, high : float
+        Distance [m] between the body and the nearest surface; below 0 the body would have to
+        be smaller by that much. ``low`` is minus infinity where no way was found.
+    """
+
+    low: float
+    high: float
+
+    def decides(self, limit: float) -> bool:
+        """Whether it is certain on which side of a limit [m] the clearance lies."""
+        return self.low >= limit or self.high < limit
+
+    @property
+    def reachability(self) -> Reachability:
+        """What follows for the goal."""
+        if self.high < 0.0:
+            return Reachability.UNREACHABLE
+        if self.low >= MARGINAL_CLEARANCE:
+            return Reachability.REACHABLE
+        return Reachability.MARGINAL
+
+
+def _widest(
+    clearance: FloatArray, start: tuple[int, int], goal: BoolArray, diagonal: bool
+) -> tuple[float, float]:
+    """Return the least clearance on the widest chain of cells, as what is and what is not.
+
+    Chains exist down to the first value [m] and none does from the second on; both are minus
+    infinity if none exists at all.
+    """
+    ends = clearance[goal]
+    if not ends.size:
+        return -math.inf, -math.inf
+    low = float(clearance.min())
+    high = float(min(clearance[start], ends.max()))
+    if (_flood(clearance >= high, *start, diagonal) & goal).any():
+        return high, high + _STEP
+    if not (_flood(clearance >= low, *start, diagonal) & goal).any():
+        return -math.inf, -math.inf
+    while high - low > _STEP:
+        middle = 0.5 * (low + high)
+        if (_flood(clearance >= middle, *start, diagonal) & goal).any():
+            low = middle
+        else:
+            high = middle
+    return low, high
+
+
+def _bounds(
+    surfaces: Surfaces, world: World, robot_radius: float, tolerance: float, resolution: float
+) -> WayClearance:
+    """Return proven bounds of the best way's clearance from cells of one size."""
+    geometry = world.geometry(resolution)
+    start = geometry.cell_of(world.start.x, world.start.y)
+    geometry.cell_of(*world.goal)
+    x, y = geometry.centres()
+    clearance = surfaces.distances(x, y) - robot_radius
+    margin = 0.5 * math.sqrt(2.0) * resolution
+    far = np.hypot((x - world.goal[0])[None, :], (y - world.goal[1])[:, None])
+    there, _ = _widest(clearance, start, far <= max(tolerance, margin), False)
+    _, not_there = _widest(clearance, start, far <= tolerance + margin, True)
+    return WayClearance(there - margin, not_there + margin)
+
+
+def way_clearance(
+    world: World,
+    robot_radius: float = ROBOT_RADIUS,
+    tolerance: float = 0.0,
+    limits: tuple[float, ...] = (0.0, MARGINAL_CLEARANCE),
+) -> WayClearance:
+    """Return how much room a disc has on the best way from the world's start to its goal.
 
     Obstacles that move, come or go count as out of the way: the answer is for their best
-    schedule. Both answers are proven. Clearance changes by no more than the way between two
-    points, so a chain of neighbouring cells whose centres are clear by half a cell's
-    diagonal holds a free path; and if none leads to the goal even through all cells whose
-    centres are no farther inside obstacles than that, there is no free path.
+    schedule. Both bounds are proven. Clearance changes by no more than the way between two
+    points, so along a chain of cells with common sides the disc has all the room that the
+    centres have but for half a cell's diagonal; and no way has more room than the centres of
+    the cells that it leads through, which touch at least by corners, and that half diagonal.
+    Cells are halved from 4 cm until no limit lies between the bounds, or down to 5 mm, where
+    the bounds are 7 mm apart if one chain serves for both.
+
+    Parameters
+    ----------
+    world : World
+        The world.
+    robot_radius : float
+        Radius of the disc [m].
+    tolerance : float
+        Distance from the goal at which the disc's centre has arrived [m].
+    limits : tuple of float
+        Clearances [m] with which the result is to be compared.
+
+    Raises
+    ------
+    ValueError
+        If start or goal lie outside the area.
+    """
+    lasting = tuple(m for m in world.moving if m.lasting)
+    surfaces = replace(world, moving=lasting).surfaces()
+    resolution = _COARSEST
+    while True:
+        bounds = _bounds(surfaces, world, robot_radius, tolerance, resolution)
+        resolution *= 0.5
+        if resolution < _FINEST or all(bounds.decides(limit) for limit in limits):
+            return bounds
+
+
+def reachability(
+    world: World, robot_radius: float = ROBOT_RADIUS, tolerance: float = 0.0
+) -> Reachability:
+    """Return what is true of the world's goal; see `way_clearance` for how and the errors."""
+    return way_clearance(world, robot_radius, tolerance).reachability
+
+
+def reachable(world: World, robot_radius: float = ROBOT_RADIUS, tolerance: float = 0.0) -> bool:
+    """Whether a disc can get from the world's start to its goal.
 
     Parameters
     ----------
@@ -136,23 +273,9 @@ def reachable(world: World, robot_radius: float = ROBOT_RADIUS, tolerance: float
         If start or goal lie outside the area, or a passage is so close to the disc's
         diameter that cells of 5 mm do not decide.
     """
-    lasting = tuple(m for m in world.moving if m.lasting)
-    surfaces = replace(world, moving=lasting).surfaces()
-    resolution = _COARSEST
-    while resolution >= _FINEST:
-        geometry = world.geometry(resolution)
-        start = geometry.cell_of(world.start.x, world.start.y)
-        geometry.cell_of(*world.goal)
-        x, y = geometry.centres()
-        clearance = surfaces.distances(x, y) - robot_radius
-        margin = 0.5 * math.sqrt(2.0) * resolution
-        far = np.hypot((x - world.goal[0])[None, :], (y - world.goal[1])[:, None])
-        at_goal = far <= max(tolerance, margin)
-        if (_flood(clearance >= margin, *start, False) & at_goal).any():
-            return True
-        if not (_flood(clearance >= -margin, *start, True) & (far <= tolerance + margin)).any():
-            return False
-        resolution *= 0.5
+    bounds = way_clearance(world, robot_radius, tolerance, limits=(0.0,))
+    if bounds.decides(0.0):
+        return bounds.low >= 0.0
     raise ValueError(
         f"world '{world.name}': cells of {_FINEST} m do not decide whether the goal can be "
         f"reached; a passage is too close to the robot's diameter of {2 * robot_radius:g} m"

@@ -23,8 +23,9 @@ from typing import Any
 import numpy as np
 
 from fuzzy_map_building.types import Pose2
-from nomad_sim.world import Circle, Polygon, Wall, World
+from nomad_sim.world import World
 from nomad_sim.world_io import load_world
+from nomad_sim.worlds.shapes import OUTSIDE, outer_walls, pillars, rectangle, scatter
 
 __all__ = [
     "MISSIONS",
@@ -39,16 +40,12 @@ __all__ = [
 #: Missions behind each number of the method's table.
 MISSIONS = 20
 
-#: How far outside the area the outer walls stand [m].
-_OUTSIDE = 0.05
 #: Clutter: obstacles, limits of their radius, their least distance from each other and the
 #: least distance of their faces from start and goal [m].
 _PILLARS = 9
 _RADII = (0.12, 0.35)
 _APART = 0.85
 _ENDS_FREE = 0.6
-#: Draws before the obstacles placed so far are taken away again.
-_DRAWS = 2000
 
 
 @dataclass(frozen=True)
@@ -76,10 +73,6 @@ class Row:
     simulator: Mapping[str, Any] = field(default_factory=dict)
 
 
-def _rectangle(x0: float, y0: float, x1: float, y1: float, material: str) -> Polygon:
-    return Polygon(np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]]), material)
-
-
 def with_materials(world: World, box: float, wall: float, glass: float) -> World:
     """Return the world with other critical angles [deg] of boxes, walls and glass."""
     boxes = {"cardboard": box, "wood": box}
@@ -94,16 +87,16 @@ def lab_with_gaps(gap: float) -> World:
     cabinet and the edge of the area.
     """
     lab = load_world("lab")
-    bottom, top = -_OUTSIDE, lab.size[1] + _OUTSIDE
+    bottom, top = -OUTSIDE, lab.size[1] + OUTSIDE
     right = lab.size[0] - gap
     below, above, _cabinet, *others = lab.polygons
     return replace(
         lab,
         name=f"lab_gaps_{gap:.2f}",
         polygons=(
-            _rectangle(3.2, bottom, 4.2, 2.65 - 0.5 * gap, below.material),
-            _rectangle(3.2, 2.65 + 0.5 * gap, 4.2, top, above.material),
-            _rectangle(4.2, 4.1, right, 4.4, _cabinet.material),
+            rectangle(3.2, bottom, 4.2, 2.65 - 0.5 * gap, below.material),
+            rectangle(3.2, 2.65 + 0.5 * gap, 4.2, top, above.material),
+            rectangle(4.2, 4.1, right, 4.4, _cabinet.material),
             *others,
         ),
     )
@@ -112,11 +105,11 @@ def lab_with_gaps(gap: float) -> World:
 def slalom_with_openings(width: float) -> World:
     """Return the slalom with openings `width` [m] wide at the top, bottom, top and bottom."""
     slalom = load_world("slalom")
-    bottom, top = -_OUTSIDE, slalom.size[1] + _OUTSIDE
+    bottom, top = -OUTSIDE, slalom.size[1] + OUTSIDE
     screens = []
     for number, x in enumerate((1.8, 3.3, 4.8, 6.3)):
         low, high = (bottom, slalom.size[1] - width) if number % 2 == 0 else (width, top)
-        screens.append(_rectangle(x - 0.05, low, x + 0.05, high, "cardboard"))
+        screens.append(rectangle(x - 0.05, low, x + 0.05, high, "cardboard"))
     return replace(slalom, name=f"slalom_{width:.2f}", polygons=tuple(screens))
 
 
@@ -134,28 +127,8 @@ def clutter(seed: int) -> World:
     generator = np.random.default_rng([seed, 2])
     size = (7.0, 6.0)
     start, goal = (0.8, 0.8), (6.2, 5.2)
-    placed: list[tuple[float, float, float]] = []
-    draws = 0
-    while len(placed) < _PILLARS:
-        draws += 1
-        if draws % _DRAWS == 0:  # no room is left for another one
-            placed.clear()
-        x, y = generator.uniform(0.0, size[0]), generator.uniform(0.0, size[1])
-        radius = generator.uniform(*_RADII)
-        free = all(math.hypot(x - u, y - v) >= radius + r + _APART for u, v, r in placed)
-        ends = min(math.hypot(x - u, y - v) for u, v in (start, goal)) >= radius + _ENDS_FREE
-        if free and ends:
-            placed.append((x, y, radius))
-    circles, polygons = [], []
-    for number, (x, y, radius) in enumerate(placed):
-        if number % 2 == 0:
-            circles.append(Circle(x, y, radius, "cardboard"))
-        else:
-            turn = generator.uniform(0.0, 0.5 * math.pi) + 0.5 * math.pi * np.arange(4)
-            corners = np.column_stack([x + radius * np.cos(turn), y + radius * np.sin(turn)])
-            polygons.append(Polygon(corners, "cardboard"))
-    x0, y0, x1, y1 = -_OUTSIDE, -_OUTSIDE, size[0] + _OUTSIDE, size[1] + _OUTSIDE
-    outer = np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]])
+    placed = scatter(generator, size, _PILLARS, _RADII, _APART, (start, goal), _ENDS_FREE)
+    circles, polygons = pillars(generator, placed, "cardboard")
     return World(
         name=f"clutter_{seed}",
         origin=(0.0, 0.0),
@@ -163,9 +136,9 @@ def clutter(seed: int) -> World:
         start=Pose2(*start, 0.0),
         goal=goal,
         expected="reached",
-        walls=(Wall(outer, "painted_wall", closed=True),),
-        polygons=tuple(polygons),
-        circles=tuple(circles),
+        walls=outer_walls(size, ["painted_wall"]),
+        polygons=polygons,
+        circles=circles,
         description="nine pillars and boxes at random places",
     )
 

@@ -203,6 +203,8 @@ class World:
         Parameters of the simulator that this world sets.
     description : str
         What it is for and where it comes from.
+    properties : mapping of str
+        What a drawn world was drawn with, for reports; nothing depends on it.
 
     Raises
     ------
@@ -223,6 +225,7 @@ class World:
     materials: Mapping[str, Material] = field(default_factory=lambda: dict(MATERIALS))
     parameters: Mapping[str, Any] = field(default_factory=dict)
     description: str = ""
+    properties: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if self.expected not in ("reached", "unreachable"):

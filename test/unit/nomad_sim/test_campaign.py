@@ -205,8 +205,8 @@ def test_a_fresh_first_seed_is_said(small: Path, capsys: pytest.CaptureFixture[s
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ("", "either --world or --reference"),
-        ("--world lab --reference", "either --world or --reference"),
+        ("", "either --world, --reference"),
+        ("--world lab --reference", "either --world, --reference"),
         ("--wrld lab", "unknown argument '--wrld'; did you mean '--world'?"),
         ("--world lab --sedes=3", "unknown argument '--sedes'; did you mean '--seeds'?"),
         ("--world lab more", "unknown argument 'more'"),

@@ -9,7 +9,13 @@ import pytest
 
 from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.types import Pose2
-from nomad_sim.ground_truth import occupancy, reachable
+from nomad_sim.ground_truth import (
+    Reachability,
+    occupancy,
+    reachability,
+    reachable,
+    way_clearance,
+)
 from nomad_sim.surfaces import Outline, Surfaces
 from nomad_sim.world import Circle, MovingObstacle, Polygon, Wall, World
 
@@ -122,3 +128,33 @@ class TestReachable:
 
     def test_a_start_without_room(self):
         assert not reachable(hall(box(0.8, 0.8, 1.2, 1.2)))
+
+
+class TestClearanceOfTheBestWay:
+    @pytest.mark.parametrize("gap", [0.3, 0.44, 0.47, 0.5, 0.55, 0.57, 0.7, 1.0])
+    def test_it_is_half_the_gap_but_for_the_body(self, gap):
+        world = hall(box(3.0, 0.0, 3.2, 1.0 - gap / 2), box(3.0, 1.0 + gap / 2, 3.2, 2.0))
+        bounds = way_clearance(world)
+        assert bounds.low <= gap / 2 - 0.23 <= bounds.high
+        # Half the diagonal of a cell on either side, and what the cells' places make of it.
+        assert bounds.high - bounds.low <= 0.09
+        fine = way_clearance(world, limits=(gap / 2 - 0.23,))  # what it is: never decided
+        assert fine.low <= gap / 2 - 0.23 <= fine.high
+        assert fine.high - fine.low <= 0.012
+
+    def test_the_wider_of_two_ways_counts(self):
+        wall = (box(3.0, 0.5, 3.2, 1.1), box(3.0, 1.8, 3.2, 2.0))
+        bounds = way_clearance(hall(*wall), limits=(0.12,))
+        assert bounds.low <= 0.12 <= bounds.high  # 0.7 m above, 0.5 m below
+
+    def test_start_and_goal_count(self):
+        bounds = way_clearance(hall(goal=(5.0, 1.7)), limits=(0.07,))
+        assert bounds.low <= 0.07 <= bounds.high
+
+    @pytest.mark.parametrize(
+        ("gap", "truth"), [(0.44, "unreachable"), (0.48, "marginal"), (0.54, "marginal"),
+                           (0.46, "marginal"), (0.58, "reachable"), (0.9, "reachable")],
+    )  # fmt: skip
+    def test_a_goal_is_marginal_below_five_centimetres(self, gap, truth):
+        world = hall(box(3.0, 0.0, 3.2, 1.0 - gap / 2), box(3.0, 1.0 + gap / 2, 3.2, 2.0))
+        assert reachability(world) is Reachability(truth)

@@ -1,0 +1,120 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""The file that a campaign's trials are written to one by one, and taken up again from.
+
+Its first line says what all of them have in common, each further line is one result, in JSON.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import json
+from dataclasses import asdict
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+from nomad_sim.trials import TrialResult
+
+__all__ = ["TrialFile"]
+
+#: Layout of the file; raised when a key changes its meaning.
+FORMAT = 1
+
+
+class TrialFile:
+    """Results on disk, each from the moment on in which it is added.
+
+    A campaign that was stopped in the middle of a line leaves a part of it: that trial counts
+    as not run. While the file is open no other campaign can write to it.
+
+    Parameters
+    ----------
+    path : Path
+        The file; made if missing.
+    configuration : mapping
+        What the results have in common, in JSON's types.
+
+    Attributes
+    ----------
+    results : dict
+        What is there: `TrialResult` by (kind, seed).
+
+    Raises
+    ------
+    ValueError
+        If the file holds results of another configuration, is being written to, or is none.
+    OSError
+        If it cannot be opened.
+    """
+
+    def __init__(self, path: Path, configuration: dict[str, Any]) -> None:
+        self.path = path
+        self.results: dict[tuple[str, int], TrialResult] = {}
+        self._file = path.open("a+b")
+        try:
+            self._lock()
+            self._read(json.loads(json.dumps({"format": FORMAT, **configuration})))
+        except BaseException:
+            self._file.close()
+            raise
+
+    def _lock(self) -> None:
+        try:
+            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise ValueError(
+                f"{self.path} is being written to by another campaign; use another --output"
+            ) from None
+
+    def _read(self, header: dict[str, Any]) -> None:
+        self._file.seek(0)
+        content = self._file.read()
+        # What follows the last line's end was being written when the campaign was stopped.
+        whole = content[: content.rfind(b"\n") + 1]
+        self._file.truncate(len(whole))
+        lines = whole.splitlines()
+        if not lines:
+            self._write(header)
+            return
+        try:
+            found = json.loads(lines[0])
+            results = [TrialResult.from_json(json.loads(line)) for line in lines[1:]]
+        except (ValueError, TypeError, KeyError, AttributeError) as error:
+            raise ValueError(f"{self.path} holds no trials of this version: {error}") from error
+        if found != header:
+            raise ValueError(
+                f"{self.path} holds trials of another configuration"
+                f"{_difference(found, header)}; use another --output"
+            )
+        self.results = {(r.kind, r.mission.seed): r for r in results}
+
+    def _write(self, value: dict[str, Any]) -> None:
+        self._file.write(json.dumps(value).encode() + b"\n")
+        self._file.flush()
+
+    def add(self, result: TrialResult) -> None:
+        """Append a result."""
+        self._write(asdict(result))
+        self.results[result.kind, result.mission.seed] = result
+
+    def __enter__(self) -> TrialFile:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._file.close()
+
+
+def _difference(found: Any, wanted: Any, where: str = "") -> str:
+    """Return the first place where two JSON values differ, in words."""
+    if isinstance(found, dict) and isinstance(wanted, dict):
+        for key in sorted({*found, *wanted}):
+            if found.get(key) != wanted.get(key):
+                place = f"{where}.{key}" if where else str(key)
+                return _difference(found.get(key), wanted.get(key), place)
+    return f" ({where}: {json.dumps(found)} there, {json.dumps(wanted)} here)"
