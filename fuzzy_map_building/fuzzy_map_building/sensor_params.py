@@ -236,6 +236,23 @@ class SonarGuardParameters:
         maximum=10.0,
         source="measured",
     )
+    veto_angle: float = parameter(
+        math.radians(8.0),
+        doc="a sonar reading that is longer takes away the hits within this angle of its axis, "
+        "unless none were left; not less than the angle from one reading to the next",
+        unit="rad",
+        minimum=0.0,
+        maximum=math.pi,
+        source="measured",
+    )
+    veto_excess: float = parameter(
+        0.15,
+        doc="by how much a sonar reading has to be longer to take a hit away",
+        unit="m",
+        minimum=0.0,
+        maximum=100.0,
+        source="measured",
+    )
 
     def __post_init__(self) -> None:
         validate(self)

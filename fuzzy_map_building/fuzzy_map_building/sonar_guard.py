@@ -24,6 +24,7 @@ from fuzzy_map_building.sensor_params import (
     SonarGuardParameters,
     SonarParameters,
 )
+from fuzzy_map_building.sonar_packet import SonarPacket
 from fuzzy_map_building.types import InfraredReading, SonarReading
 
 __all__ = ["cut_rays", "guard_points"]
@@ -47,7 +48,12 @@ def guard_points(
 
     A return at distance r and direction b from the robot's centre is short if
     ``r < robot_radius + reach``. It is explained if an infrared hit lies, seen from there,
-    within ``guard.angle`` of b and at most ``guard.slack`` farther away than r.
+    within ``guard.angle`` of b and at most ``guard.slack`` farther away than r. One that is
+    not stands for a point on its axis and one at ``guard.spread`` on either side. Of these,
+    unless it were all, those are left out that another sonar reading looks through: within
+    ``guard.veto_angle`` of its axis, and ``guard.veto_excess`` closer than its own range.
+    Otherwise an edge beside a narrow passage, heard off the axes of several sonars, would
+    bar the passage.
 
     Parameters
     ----------
@@ -65,9 +71,8 @@ def guard_points(
 
     Returns
     -------
-    ndarray of float64, shape (3 n, 2)
-        Points (x, y) [m] in ``map``: for each of n returns, on its axis and at
-        ``guard.spread`` on either side.
+    ndarray of float64, shape (n, 2)
+        Points (x, y) [m] in ``map``.
     """
     short = _short(sonar, sonar_p, reach + robot_radius)
     if not short:
@@ -76,8 +81,12 @@ def guard_points(
     centre, direction, distance = _unexplained(short, seen, sonar_p, guard)
     angles = direction[:, None] + np.array([0.0, guard.spread, -guard.spread])
     rays = np.stack((np.cos(angles), np.sin(angles)), axis=2)
-    points: FloatArray = (centre[:, None, :] + distance[:, None, None] * rays).reshape(-1, 2)
-    return points
+    points: FloatArray = centre[:, None, :] + distance[:, None, None] * rays
+    vetoed = _vetoed(points, sonar, sonar_p, guard)
+    # The echo came from somewhere: where nothing is left it may have been anywhere.
+    vetoed &= ~vetoed.all(axis=1, keepdims=True)
+    kept: FloatArray = points[~vetoed]
+    return kept
 
 
 def cut_rays(
@@ -156,6 +165,22 @@ def _unexplained(
         & (away <= distance[:, None] + guard.slack + _ROUNDING)
     ).any(axis=1)
     return centre[~explained], direction[~explained], distance[~explained]
+
+
+def _vetoed(
+    points: FloatArray,
+    sonar: Sequence[SonarReading],
+    sonar_p: SonarParameters,
+    guard: SonarGuardParameters,
+) -> NDArray[np.bool_]:
+    """Return through which of the points, shape (n, 3, 2), a longer reading looks, (n, 3)."""
+    packet = SonarPacket.from_readings(sonar, sonar_p)
+    reach = np.maximum(packet.empty_range, packet.occupied_range) + packet.forward
+    to, away = _polar(points.reshape(-1, 2), packet.apex - packet.forward * packet.axis)
+    looks = _between(to, packet.direction[:, None]) <= guard.veto_angle + _ROUNDING
+    longer = reach[:, None] > away + guard.veto_excess
+    vetoed: NDArray[np.bool_] = (looks & longer).any(axis=0).reshape(points.shape[:2])
+    return vetoed
 
 
 def _polar(points: FloatArray, centres: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -7,11 +7,18 @@ import math
 import numpy as np
 import pytest
 
-from fuzzy_map_building.params import InfraredParameters, SonarGuardParameters, SonarParameters
+from fuzzy_map_building.params import (
+    InfraredParameters,
+    MapperParameters,
+    SonarGuardParameters,
+    SonarParameters,
+)
 from fuzzy_map_building.sonar_guard import cut_rays, guard_points
 from fuzzy_map_building.types import InfraredReading, Pose2, SonarReading
+from unit.fuzzy_map_building.scalar_mapper import limit_of_lost_echo
 
 SONAR, INFRARED, GUARD = SonarParameters(), InfraredParameters(), SonarGuardParameters()
+MAPPER = MapperParameters(sonar=SONAR)
 RADIUS = 0.23
 
 
@@ -28,6 +35,17 @@ def limits(sonar: list, infrared: list, reach: float = 0.6) -> np.ndarray:
 
 def angle(a: float, b: float) -> float:
     return abs(math.atan2(math.sin(a - b), math.cos(a - b)))
+
+
+def heading(reading: SonarReading | InfraredReading) -> float:
+    return reading.pose.theta + reading.bearing
+
+
+def reach_of(reading: SonarReading, packet: list[SonarReading]) -> float:
+    """How far a reading looks from the robot's centre, a lost echo as far as its neighbours."""
+    if reading.range == math.inf:
+        return limit_of_lost_echo(reading, packet, MAPPER) + 0.23
+    return max(reading.range, 0.12) + 0.23
 
 
 def test_glass_ahead_becomes_three_hit_points_and_cuts_the_rays_beside_it() -> None:
@@ -56,6 +74,28 @@ def test_an_infrared_hit_explains_a_return(
     hit = InfraredReading(pose, 0.1 + math.radians(bearing), distance)
     assert (len(points([echo], [hit])) == 0) is explains
     assert np.isinf(limits([echo], [hit])).all() or not explains
+
+
+def test_a_longer_reading_takes_away_the_hits_that_it_looks_through() -> None:
+    # An edge 10 deg to the left, 0.7 m away, heard by sonars within 12.5 deg of it. Right of
+    # the axis a reading goes on for 2 m, and left of the edge another one.
+    pose = Pose2(0.0, 0.0)
+    edge, far = 0.47, 1.77
+
+    def packet(*ranges: float) -> list[SonarReading]:
+        bearings = (-7.5, 0.0, 7.5, 15.0, 22.5)
+        return [
+            SonarReading(pose, math.radians(b), r) for b, r in zip(bearings, ranges, strict=True)
+        ]
+
+    found = points(packet(far, edge, edge, edge, far), [])
+    directions = sorted(round(math.degrees(math.atan2(y, x)), 6) for x, y in found)
+    # Of -6 ... 21 deg what lies outside of 0.5 ... 14.5 deg is seen through.
+    assert directions == [1.5, 6.0, 7.5, 9.0, 13.5]
+    # A pole that one sonar alone hears, between two that look past it, is somewhere all the same.
+    assert len(points(packet(far, edge, far, far, far), [])) == 3
+    # So is a surface behind which nobody looks more than 15 cm.
+    assert len(points(packet(0.61, edge, 0.61, far, far), [])) == 3
 
 
 def test_only_short_returns_count() -> None:
@@ -94,6 +134,7 @@ def test_many_readings_against_a_loop() -> None:
             rho = 0.23 + ray.range
             hits.append((ray.pose.x + rho * math.cos(to), ray.pose.y + rho * math.sin(to)))
     expected, surfaces = [], []
+    reaches = [(r, reach_of(r, sonar)) for r in sonar]
     for echo in sonar:
         r = 0.23 + max(echo.range, 0.12)
         if not r < RADIUS + 0.6:
@@ -106,10 +147,22 @@ def test_many_readings_against_a_loop() -> None:
             for x, y in hits
         ):
             continue
-        for turn in (0.0, math.radians(6.0), -math.radians(6.0)):
-            expected.append((x0 + r * math.cos(b + turn), y0 + r * math.sin(b + turn)))
-        surfaces.append(expected[-3])
+        turns = (0.0, math.radians(6.0), -math.radians(6.0))
+        three = [(x0 + r * math.cos(b + turn), y0 + r * math.sin(b + turn)) for turn in turns]
+        left = [
+            point
+            for point in three
+            if not any(
+                angle(math.atan2(point[1] - o.pose.y, point[0] - o.pose.x), heading(o))
+                <= math.radians(8.0)
+                and reach > math.hypot(point[0] - o.pose.x, point[1] - o.pose.y) + 0.15
+                for o, reach in reaches
+            )
+        ]
+        expected += left or three
+        surfaces.append(three[0])
     assert 2 < len(surfaces) < 25
+    assert len(surfaces) < len(expected) < 3 * len(surfaces)
     np.testing.assert_allclose(points(sonar, infrared), expected, atol=1e-9)
     for ray, found in zip(infrared, limits(sonar, infrared), strict=True):
         x0, y0 = ray.pose.x, ray.pose.y
