@@ -23,7 +23,7 @@ from nomad_sim.worlds.shapes import Draft, rectangle
 __all__ = ["KINDS", "RECIPE", "generate"]
 
 #: Raised whenever the same kind and seed give another world than before.
-RECIPE = 1
+RECIPE = 2
 
 _LAYOUTS: Mapping[str, Callable[[np.random.Generator], Draft]] = {
     "office": office,
@@ -41,8 +41,11 @@ _ROOM = 0.1
 _SPACING = 0.1
 # Least distance of start and goal: at least the first [m], and this share of the diagonal.
 _FAR = (3.0, 0.4)
-# Share of the goals that are walled in, half of them behind a slit too narrow for the body.
-_WALLED_IN = 0.12
+# Share of the goals that are walled in: half of them on all sides, a quarter behind a slit [m]
+# that is too narrow for the body, a quarter behind one that makes the goal marginal.
+_WALLED_IN = 0.15
+_TOO_NARROW = (0.25, 0.4)
+_JUST_WIDE_ENOUGH = (0.48, 0.55)
 # Boxes narrower than this are left out [m].
 _SLIVER = 1e-3
 _TRIES = 100
@@ -54,9 +57,10 @@ def generate(kind: str, seed: int) -> World:
     Its ``properties`` say what was drawn: ``kind``; ``material``, a class of
     `draws.MATERIAL_CLASSES`; ``beam``, the sonars' half angle [deg]; ``door``, the width of the
     narrowest door or opening [m] or None; ``glass``: ``none``, ``seen`` or ``unseen`` by the
-    infrared sensors; ``walled_in``, whether the goal was shut off; ``people``; and what is true:
-    ``truth``, a value of `ground_truth.Reachability` for the body and the goal's tolerance of
-    0.3 m, and ``way_clearance``, the room on the best way [m] (a proven lower bound).
+    infrared sensors; ``walled_in``, whether the goal was shut off, if but for a slit;
+    ``people``; and what is true: ``truth``, a value of `ground_truth.Reachability` for the body
+    and the goal's tolerance of 0.3 m, and ``way_clearance``, the room on the best way [m] (a
+    proven lower bound).
 
     Parameters
     ----------
@@ -152,9 +156,11 @@ def _ends(
 
 
 def _chamber(generator: np.random.Generator, goal: tuple[float, float]) -> tuple[Polygon, ...]:
-    """Return four walls about the goal, closed or with a slit that the body cannot pass."""
+    """Return four walls about the goal: closed, or with a slit that is too narrow, or just not."""
     half, thick = generator.uniform(0.6, 0.9), generator.uniform(0.08, 0.15)
-    slit = generator.uniform(0.25, 0.4) if generator.random() < 0.5 else 0.0
+    slit = (0.0, 0.0, generator.uniform(*_TOO_NARROW), generator.uniform(*_JUST_WIDE_ENOUGH))[
+        int(generator.integers(4))
+    ]
     middle = generator.uniform(-half + 0.5 * slit, half - 0.5 * slit)
     (x, y), out = goal, half + thick
     low, high = middle - 0.5 * slit, middle + 0.5 * slit
