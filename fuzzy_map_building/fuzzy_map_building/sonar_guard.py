@@ -179,8 +179,8 @@ def _vetoed(
     to, away = _polar(points.reshape(-1, 2), packet.apex - packet.forward * packet.axis)
     looks = _between(to, packet.direction[:, None]) <= guard.veto_angle + _ROUNDING
     longer = reach[:, None] > away + guard.veto_excess
-    vetoed: NDArray[np.bool_] = (looks & longer).any(axis=0).reshape(points.shape[:2])
-    return vetoed
+    vetoed: NDArray[np.bool_] = np.logical_or.reduce(looks & longer, axis=0)
+    return vetoed.reshape(points.shape[:2])
 
 
 def _polar(points: FloatArray, centres: FloatArray) -> tuple[FloatArray, FloatArray]:
