@@ -106,6 +106,6 @@ class HitMemory:
 
     def add(self, points: Points) -> None:
         """Take points (x, y) [m], shape (n, 2)."""
-        self._array = None
         for x, y in points.tolist():
+            self._array = None
             self._points.setdefault((round(x / RASTER), round(y / RASTER)), (x, y))

@@ -255,6 +255,8 @@ MOTION_PRESETS: Mapping[str, Mapping[str, Any]] = {
         "clearance.rule": "layer",
         "layer.enabled": True,
         "sonar_guard.enabled": True,
+        # A corner beside an opening echoes off the sonar's axis: points aside would close it.
+        "sonar_guard.spread": 0.0,
         "subcell_target": True,
     },
 }

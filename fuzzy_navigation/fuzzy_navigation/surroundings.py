@@ -138,6 +138,11 @@ class Surroundings:
         self, sonar: Sequence[SonarReading], infrared: Sequence[InfraredReading], reach: float
     ) -> Points:
         p = self._p
+        # Most are far: asked first, since this happens at every tick.
+        below = p.robot_radius + reach - p.sonar.mount_radius
+        short = [echo for echo in sonar if echo.range < below]
+        if not short:
+            return np.empty((0, 2))
         return guard_points(
-            sonar, infrared, p.sonar, p.infrared, p.sonar_guard, reach, p.robot_radius
+            short, infrared, p.sonar, p.infrared, p.sonar_guard, reach, p.robot_radius
         )

@@ -22,7 +22,7 @@ from rclpy.parameter import Parameter
 from fuzzy_map_building.ros import names, qos
 from fuzzy_map_building.ros.conversions import path_from_msg
 from fuzzy_navigation.params import PlannerParameters, planner_parameters
-from fuzzy_navigation.planner import Planner, PlanStatus
+from fuzzy_navigation.planner import MOST_HITS, Planner, PlanStatus
 from ros.harness import NodeProcess, Probe, wait_until
 from ros.planner_driver import GEOMETRY, GOAL, START, Driver, at, map_message, request, world
 
@@ -56,6 +56,13 @@ def core(parameters: PlannerParameters | None = None) -> Planner:
     return out
 
 
+def change(planner: Driver, name: str, value: Any) -> Any:
+    """Set a parameter of the node and return what came of it."""
+    changed = SetParameters.Request(parameters=[Parameter(name, value=value).to_parameter_msg()])
+    service = f"{names.PLANNER_NODE}/set_parameters"
+    return planner.probe.call(SetParameters, service, changed).results[0]
+
+
 REQUESTS: list[dict[str, Any]] = [
     {},
     {"cost": PlanPath.Request.G1},
@@ -73,6 +80,8 @@ REQUESTS: list[dict[str, Any]] = [
     {"goal": at(START)},
     {"barred": [Point(x=1.05, y=1.85), Point(x=1.05, y=1.65), Point(x=90.0, y=0.0)]},
     {"barred": [Point(x=1.05, y=y) for y in np.arange(1.35, 2.1, 0.1)], "alpha": 0.6},
+    # Without the layer they do not count.
+    {"hits": [Point(x=1.05, y=y) for y in np.arange(1.35, 2.1, 0.1)]},
 ]
 COSTS = {0: None, 1: "g1", 2: "g2", 3: "g3"}
 
@@ -104,6 +113,31 @@ def test_plan_path_answers_what_the_core_answers(planner: Driver) -> None:
         assert response.path.header.stamp == Time(sec=1)
         statuses.add(expected.status)
     assert statuses == {PlanStatus.FOUND, PlanStatus.NO_PATH}
+
+
+def test_hits_count_as_soon_as_the_layer_is_on(planner: Driver) -> None:
+    hits = [Point(x=1.05, y=1.35), Point(x=1.05, y=1.45)]
+    positions = [(point.x, point.y) for point in hits]
+    without = planner.plan(hits=hits)
+    assert change(planner, "layer.enabled", True).successful
+    try:
+        layered = core(planner_parameters(overrides={"layer.enabled": True}))
+        expected = layered.plan(START, GOAL, hits=positions)
+        response = planner.plan(hits=hits)
+        assert response.message == expected.message
+        assert [(p.x, p.y) for p in path_from_msg(response.path)] == [
+            (p.x, p.y) for p in expected.poses
+        ]
+        assert path_from_msg(response.path) != path_from_msg(without.path)
+        assert path_from_msg(planner.plan().path) == path_from_msg(without.path)
+        refused = planner.plan(hits=[Point(x=math.nan, y=1.0)])
+        assert refused.status == PlanPath.Response.BAD_REQUEST
+        assert "hits positions must be finite" in refused.message
+        refused = planner.plan(hits=[Point()] * (MOST_HITS + 1))
+        assert refused.status == PlanPath.Response.BAD_REQUEST
+        assert f"{MOST_HITS} at most" in refused.message
+    finally:
+        assert change(planner, "layer.enabled", False).successful
 
 
 def test_get_plan_and_the_topic_plan(planner: Driver) -> None:
@@ -239,22 +273,16 @@ def test_bad_maps_are_refused_and_the_last_good_one_stays(planner: Driver) -> No
 
 
 def test_a_parameter_changes_the_plans_at_once(planner: Driver) -> None:
-    def change(name: str, value: Any) -> Any:
-        changed = SetParameters.Request(
-            parameters=[Parameter(name, value=value).to_parameter_msg()]
-        )
-        service = f"{names.PLANNER_NODE}/set_parameters"
-        return planner.probe.call(SetParameters, service, changed).results[0]
 
-    assert change("cost", "g1").successful
-    assert change("robot_radius", 0.0).successful
+    assert change(planner, "cost", "g1").successful
+    assert change(planner, "robot_radius", 0.0).successful
     expected = core(planner_parameters(overrides={"cost": "g1", "robot_radius": 0.0}))
     response = planner.plan()
     assert response.g1 == expected.plan(START, GOAL).g1
     assert response.g1 != core().plan(START, GOAL, "g1").g1
-    refused = change("alpha_ladder", [0.9, 0.6])
+    refused = change(planner, "alpha_ladder", [0.9, 0.6])
     assert not refused.successful
     assert "rise" in refused.reason
     assert planner.plan().g1 == response.g1
-    assert change("cost", "g2").successful
-    assert change("robot_radius", PlannerParameters().robot_radius).successful
+    assert change(planner, "cost", "g2").successful
+    assert change(planner, "robot_radius", PlannerParameters().robot_radius).successful

@@ -134,8 +134,7 @@ def test_the_guard_at_a_perception_tells_the_planner() -> None:
     (plan,) = (c for c in script.perceive(commands) if isinstance(c, Plan))
     # Echoes within 0.6 m of the body: straight ahead, and at 22.5 deg, 0.8 / cos(22.5 deg) is
     # 0.87 m from the centre, too far.
-    assert len(plan.hits) == 3
-    assert max(x for x, _ in plan.hits) == pytest.approx(1.85)
+    assert plan.hits == (pytest.approx((1.85, 2.05)),)
 
 
 def test_the_memory_ends_with_the_next_perception() -> None:

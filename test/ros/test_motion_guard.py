@@ -1,0 +1,101 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""The motion as a process: what sonars hear ahead and infrareds do not see."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import pytest
+from geometry_msgs.msg import PoseStamped
+from rcl_interfaces.srv import SetParameters
+from rclpy.parameter import Parameter
+from sensor_msgs.msg import JointState, Range
+
+from fuzzy_map_building.ros import names, qos
+from ros.harness import wait_until
+from ros.motion_scene import RESULT, Scene, goal_at, staged
+
+RADIUS = 0.23
+#: Where the glass stands: across the way, at this x [m].
+GLASS = 2.6
+
+
+@pytest.fixture(scope="module")
+def scene(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Scene]:
+    """One process for all tests of this module."""
+    with staged(tmp_path_factory.mktemp("motion") / "motion.log") as scene:
+        yield scene
+
+
+class Echoes:
+    """A sonar ahead on a turret that stands, and what it hears of a pane of glass."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.comes = True
+        self.field_of_view = math.radians(25.0)
+        self._sonar = scene.probe.node.create_publisher(Range, names.SONAR, qos.RANGES)
+        self._turret = scene.probe.node.create_publisher(
+            JointState, names.JOINT_STATES, qos.JOINT_STATES
+        )
+        scene.probe.node.create_subscription(PoseStamped, names.POSE, self._on_pose, qos.RELIABLE)
+
+    def _on_pose(self, message: PoseStamped) -> None:
+        joint = JointState(name=["turret_joint"], position=[0.0])
+        joint.header.stamp = message.header.stamp
+        self._turret.publish(joint)
+        if self.comes:
+            distance = GLASS - message.pose.position.x - RADIUS
+            echo = Range(field_of_view=self.field_of_view, max_range=6.5, range=distance)
+            echo.header.frame_id, echo.header.stamp = "sonar_0", message.header.stamp
+            self._sonar.publish(echo)
+
+
+def change(scene: Scene, name: str, value: object) -> None:
+    asked = SetParameters.Request(parameters=[Parameter(name, value=value).to_parameter_msg()])
+    service = f"{names.MOTION_NODE}/set_parameters"
+    assert scene.probe.call(SetParameters, service, asked).results[0].successful
+
+
+def test_glass_stops_the_robot_once_the_guard_is_on(scene: Scene) -> None:
+    echoes = Echoes(scene)
+    assert scene.result(scene.send(goal_at(3.5, 1.05))).result.outcome == RESULT.REACHED
+    assert scene.robot.x > GLASS  # nobody guarded it
+
+    scene.reset()
+    change(scene, "sonar_guard.enabled", True)
+    wait_until(
+        lambda: scene.probe.node.count_subscribers(names.SONAR) == 1, "the motion to hear sonars"
+    )
+    result = scene.result(scene.send(goal_at(3.5, 1.05))).result
+    assert result.outcome != RESULT.REACHED
+    assert 0.03 < GLASS - scene.robot.x - RADIUS < 0.3
+
+    scene.reset()
+    echoes.comes = False  # the glass has gone
+    assert scene.result(scene.send(goal_at(3.5, 1.05))).result.outcome == RESULT.REACHED
+    change(scene, "sonar_guard.enabled", False)
+    wait_until(
+        lambda: scene.probe.node.count_subscribers(names.SONAR) == 0, "the motion to hear nothing"
+    )
+
+
+def test_sonar_messages_that_cannot_be_are_refused(scene: Scene) -> None:
+    change(scene, "sonar_guard.enabled", True)
+    node = scene.probe.node
+    wait_until(lambda: node.count_subscribers(names.SONAR) == 1, "the motion to hear sonars")
+    sonar = node.create_publisher(Range, names.SONAR, qos.RANGES)
+    joints = node.create_publisher(JointState, names.JOINT_STATES, qos.JOINT_STATES)
+    stranger = Range(field_of_view=math.radians(25.0), max_range=6.5, range=1.0)
+    stranger.header.frame_id = "sonar_16"
+    joint = JointState(name=["turret_joint"], position=[math.nan])
+
+    def refused() -> bool:
+        sonar.publish(stranger)
+        joints.publish(joint)
+        return {"rejected.sonar.unknown_frame", "rejected.joint_states.not_finite"} <= set(
+            scene.values()
+        )
+
+    wait_until(refused, "the motion to refuse both")
