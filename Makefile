@@ -9,10 +9,12 @@ PYTHON ?=
 DEMO_ARGS ?=
 # Further options of `colcon test`, such as --packages-select fuzzy_nav_test.
 TEST_ARGS ?=
+# Further options of pytest for the benchmarks, such as -k maze.
+BENCH_ARGS ?=
 
 export PYTHON
 
-.PHONY: help demo build test shell lint coverage requirements clean
+.PHONY: help demo build test shell lint coverage bench requirements clean
 
 help:
 	@echo 'make demo          the robot crosses an unknown laboratory; results in build/demo'
@@ -22,6 +24,7 @@ help:
 	@echo 'make shell         a shell in which install/<package>/lib/<package>/<executable> runs'
 	@echo 'make lint          ruff, mypy and the import contracts'
 	@echo 'make coverage      line and branch coverage: the cores, and all'
+	@echo 'make bench         times beside those of other libraries, which it installs; 15 minutes'
 	@echo 'make requirements  resolve .ci/requirements.in into requirements.txt again'
 	@echo 'make clean         remove .venv and everything that was built'
 	@echo 'PYTHON=python3.12 chooses the interpreter (3.10-3.13).'
@@ -43,6 +46,9 @@ lint: build
 
 coverage: build
 	@.ci/in_environment .ci/coverage
+
+bench: build
+	@.ci/in_environment .ci/bench $(BENCH_ARGS)
 
 requirements:
 	@.ci/requirements
