@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["HUNDREDTHS", "NO_ENTRY", "CostField", "cost_field"]
+__all__ = ["HUNDREDTHS", "NO_ENTRY", "CostField", "coded_costs", "cost_field", "hundredths"]
 
 #: Risks that have a code: their number is the code.
 HUNDREDTHS = np.arange(101) / 100.0
@@ -77,23 +77,53 @@ def cost_field(
     A1 and A2 work on mu / mu_min and its square: a constant factor changes no path, and
     uniform risks become exactly 1, so that sums, ties and paths are the same for both.
     """
-    codes = _codes(risk, admissible)
-    table = np.full(NO_ENTRY + 1, math.inf)
+    codes = hundredths(risk, admissible)
     if codes is not None:
-        least = float(HUNDREDTHS[codes.min()]) + epsilon
+        table = np.full(NO_ENTRY + 1, math.inf)
         table[: len(HUNDREDTHS)] = HUNDREDTHS + epsilon
-        cells: NDArray[np.int8] | NDArray[np.float64] = codes
-        _weigh(table, least, cost)
-    else:
-        cells, least = _exact(risk, admissible, epsilon)
-        for rows in _blocks(cells):
-            _weigh(cells[rows], least, cost)
+        return coded_costs(codes, table, float(HUNDREDTHS[codes.min()]) + epsilon, epsilon, cost)
+    cells, least = _exact(risk, admissible, epsilon)
+    for rows in _blocks(cells):
+        _weigh(cells[rows], least, cost)
+    return _field(cells, np.empty(0), least, epsilon, cost)
+
+
+def coded_costs(
+    cells: NDArray[np.int8],
+    table: NDArray[np.float64],
+    least: float,
+    epsilon: float,
+    cost: str,
+) -> CostField:
+    """Return what it costs to enter each cell of a map in codes.
+
+    Parameters
+    ----------
+    cells : ndarray of int8, shape (H + 2, W + 2)
+        Codes, `NO_ENTRY` at the border.
+    table : ndarray of float64, shape (128,)
+        Risk of each code with epsilon, infinite for what must not be entered; becomes the
+        table of costs.
+    least : float
+        Least risk with epsilon of a cell that may be entered.
+    epsilon, cost
+        As `cost_field` takes them.
+    """
+    _weigh(table, least, cost)
+    return _field(cells, table, least, epsilon, cost)
+
+
+def _field(
+    cells: NDArray[np.int8] | NDArray[np.float64],
+    table: NDArray[np.float64],
+    least: float,
+    epsilon: float,
+    cost: str,
+) -> CostField:
     most = np.array([1.0 + epsilon])
     _weigh(most, least, cost)
     informed = cost != "g3" and least >= _LEAST_RISK
-    return CostField(
-        cells, table, codes is not None, float(informed), float(most[0]), cost == "g3"
-    )
+    return CostField(cells, table, len(table) > 0, float(informed), float(most[0]), cost == "g3")
 
 
 def _weigh(mu: NDArray[np.float64], least: float, cost: str) -> None:
@@ -115,14 +145,30 @@ def _blocks(values: NDArray[np.int8] | NDArray[np.float64]) -> list[slice]:
     return [slice(row, row + step) for row in range(0, len(values), step)]
 
 
-def _codes(risk: NDArray[np.float64], admissible: NDArray[np.bool_]) -> NDArray[np.int8] | None:
-    """Return the codes of a map with its border, None if its risks are no hundredths."""
+def hundredths(
+    risk: NDArray[np.float64], admissible: NDArray[np.bool_]
+) -> NDArray[np.int8] | None:
+    """Return the codes of a map with a border.
+
+    Parameters
+    ----------
+    risk : ndarray of float64, shape (H, W)
+        Risks in [0, 1].
+    admissible : ndarray of bool, shape (H, W)
+        Cells that may be entered.
+
+    Returns
+    -------
+    ndarray of int8 or None
+        Risks in hundredths, `NO_ENTRY` where a cell must not be entered and at the border,
+        shape (H + 2, W + 2); None if some risk is no hundredth.
+    """
     codes = np.full((risk.shape[0] + 2, risk.shape[1] + 2), NO_ENTRY, np.int8)
     inner = codes[1:-1, 1:-1]
-    hundredths, back = np.empty((2, _rows(risk), risk.shape[1]))
+    scaled, back = np.empty((2, _rows(risk), risk.shape[1]))
     for rows in _blocks(risk):
         values = risk[rows]
-        h, b = hundredths[: len(values)], back[: len(values)]
+        h, b = scaled[: len(values)], back[: len(values)]
         np.rint(np.multiply(values, 100.0, out=h), out=h)
         if not (np.divide(h, 100.0, out=b) == values).all():
             return None

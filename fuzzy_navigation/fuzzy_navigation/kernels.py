@@ -118,6 +118,7 @@ def best_first(
     coded: bool,
     width: int,
     goal: int,
+    limit: int,
     adjacency: int,
     diagonal: float,
     corner_cutting: bool,
@@ -160,6 +161,8 @@ def best_first(
         Cells in a row, border included.
     goal : int
         Index of a cell. That of the start is among the hot entries.
+    limit : int
+        Most cells to expand; the search is over before the next.
     adjacency : int
         4 or 8.
     diagonal : float
@@ -259,14 +262,14 @@ def best_first(
         arrival = state[cell] & _INDEX
         if arrival >= CLOSED:
             continue  # a dearer entry of a cell that was queued again
-        if cell == goal:
-            over = True
-            break
         if room < 8 or hot + 8 > len(hot_cells):
             _sift_up(hot_estimates, hot_ties, hot_cells, hot, 0.0, 0, cell)
             hot += 1
             break
         state[cell] = arrival + CLOSED
+        if cell == goal or expanded == limit:
+            over = True
+            break
         expanded += 1
         lowest = min(lowest, cell)
         highest = max(highest, cell)

@@ -16,20 +16,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fuzzy_map_building.grid import GridGeometry
+from fuzzy_map_building.grid import GridGeometry, Window
 from fuzzy_map_building.types import Pose2
 from fuzzy_navigation.clearance_layer import clearance_layer
+from fuzzy_navigation.kept_map import KeptMap
 from fuzzy_navigation.params import PlannerParameters
 from fuzzy_navigation.plan_types import MAX_TOLERANCE, PlanResult, PlanStatus, RiskLayer
+from fuzzy_navigation.planning_map import Query
 from fuzzy_navigation.positions import position, positions
-from fuzzy_navigation.risk import augment, checked_risk, path_risks
-from fuzzy_navigation.search import (
-    COSTS,
-    SearchResult,
-    admissible_cells,
-    find_path,
-    first_reachable,
-)
+from fuzzy_navigation.search import COSTS, SearchResult
 
 __all__ = ["MOST_BARRED", "MOST_HITS", "PlanResult", "PlanStatus", "Planner"]
 
@@ -55,7 +50,7 @@ class _Request:
     adjacency: int
     tolerance: float
     layer: RiskLayer | None
-    barred: NDArray[np.bool_] | None
+    barred: NDArray[np.int64]
 
 
 class Planner:
@@ -82,9 +77,7 @@ class Planner:
     ) -> None:
         self.geometry = geometry
         self._parameters = parameters if parameters is not None else PlannerParameters()
-        self._planning_risk: NDArray[np.float64] | None = None
-        self._augmented: NDArray[np.float64] | None = None
-        self._barred: NDArray[np.bool_] | None = None
+        self._map = KeptMap(geometry)
 
     @property
     def parameters(self) -> PlannerParameters:
@@ -94,16 +87,25 @@ class Planner:
     @parameters.setter
     def parameters(self, parameters: PlannerParameters) -> None:
         self._parameters = parameters
-        if self._planning_risk is not None:
-            self._augmented = self._augment(self._planning_risk)
+        self._map.augment(parameters)
 
     @property
     def augmented_risk(self) -> NDArray[np.float64] | None:
         """The augmented planning map M_p^a, shape (H, W), read-only; None without a map."""
-        return self._augmented
+        return self._map.augmented_risk
 
-    def set_map(self, planning_risk: ArrayLike, barred: ArrayLike | None = None) -> None:
-        """Take a new planning map.
+    @property
+    def nbytes(self) -> int:
+        """Memory of the map and of what searches work in [bytes]."""
+        return self._map.nbytes
+
+    def set_map(
+        self,
+        planning_risk: ArrayLike,
+        barred: ArrayLike | None = None,
+        window: Window | None = None,
+    ) -> None:
+        """Take a new planning map, or what is new in it.
 
         Parameters
         ----------
@@ -111,22 +113,22 @@ class Planner:
             M_p, not augmented.
         barred : array_like of bool, shape (H, W), optional
             Cells that no path may enter, such as the unexplored ones of a finished map.
+        window : Window, optional
+            The only cells that differ from the map before; no others are read, and what is
+            barred stays. What this costs depends on the window, not on the map, as long as
+            risks are hundredths.
 
         Raises
         ------
         ValueError
-            If shape or values are wrong; the map before stays.
+            If shape, values or window are wrong; the map before stays.
         """
-        values = checked_risk(planning_risk, "the planning map").copy()
-        self._check_shape("the planning map", values)
-        bars: NDArray[np.bool_] | None = None
-        if barred is not None:
-            bars = np.array(barred)
-            self._check_shape("barred", bars)
-            if bars.dtype != np.bool_:
-                raise ValueError(f"barred must be an array of bool, got {bars.dtype}")
-        self._augmented = self._augment(values)
-        self._planning_risk, self._barred = values, bars
+        if window is None:
+            self._map.take(planning_risk, barred, self._parameters)
+        elif barred is None:
+            self._map.take_window(planning_risk, window, self._parameters)
+        else:
+            raise ValueError("barred must not be given with a window: what is barred stays")
 
     def plan(
         self,
@@ -170,7 +172,7 @@ class Planner:
             request = self._checked(start, goal, cost, alpha, adjacency, tolerance, barred, hits)
         except (TypeError, ValueError) as error:
             return PlanResult(PlanStatus.BAD_REQUEST, f"request refused: {error}")
-        if self._augmented is None:
+        if not self._map.known:
             return PlanResult(
                 PlanStatus.NO_MAP,
                 "no planning map has arrived yet; build or load a map, then ask again",
@@ -181,22 +183,7 @@ class Planner:
         ):
             if not self.geometry.contains(*xy):
                 return PlanResult(status, self._outside(name, xy))
-        return self._climb(request, self._augmented)
-
-    def _augment(self, planning_risk: NDArray[np.float64]) -> NDArray[np.float64]:
-        p = self._parameters
-        augmented = augment(
-            planning_risk, p.robot_radius, self.geometry.resolution, p.augmentation
-        )
-        augmented.flags.writeable = False
-        return augmented
-
-    def _check_shape(self, name: str, values: NDArray[np.generic]) -> None:
-        if values.shape != self.geometry.shape:
-            raise ValueError(
-                f"{name} has the shape {values.shape} (rows, columns), "
-                f"but the planner's area has {self.geometry.shape}"
-            )
+        return self._climb(request)
 
     def _checked(
         self,
@@ -234,18 +221,13 @@ class Planner:
             adjacency=int(adjacency) or p.adjacency or _ADJACENCY[cost],
             tolerance=round(float(tolerance), _DECIMALS) or p.tolerance,
             layer=self._layer(positions(hits, "hits", MOST_HITS)),
-            barred=self._bars(positions(barred, "barred", MOST_BARRED)),
+            barred=self._cells(positions(barred, "barred", MOST_BARRED)),
         )
 
-    def _bars(self, xy: NDArray[np.float64]) -> NDArray[np.bool_] | None:
-        """Return the cells that no path may enter, shape (H, W); None: there are none."""
-        if len(xy) == 0:
-            return self._barred
+    def _cells(self, xy: NDArray[np.float64]) -> NDArray[np.int64]:
+        """Return the cells of the positions that lie inside the map, shape (n, 2)."""
         cells, inside = self.geometry.cells_of(xy)
-        none = np.zeros(self.geometry.shape, dtype=np.bool_)
-        bars = none if self._barred is None else self._barred.copy()
-        bars[cells[inside, 0], cells[inside, 1]] = True
-        return bars
+        return cells[inside]
 
     def _layer(self, hits: NDArray[np.float64]) -> RiskLayer | None:
         """Return the risk that hit points lay over the map; None: there is none."""
@@ -254,40 +236,30 @@ class Planner:
             return None
         return clearance_layer(self.geometry, hits, p.robot_radius, p.layer)
 
-    def _climb(self, request: _Request, risk: NDArray[np.float64]) -> PlanResult:
+    def _climb(self, request: _Request) -> PlanResult:
         """Try rung after rung, and take the path of the first that does."""
         p = self._parameters
-        cut = paid = risk
-        if request.layer is not None:
-            cut = np.maximum(risk, request.layer.cut)
-            paid = np.maximum(risk, request.layer.cost)
-        start = self.geometry.cell_of(*request.start)
-        ends = self._goal_cells(request.goal, request.tolerance)
+        query = Query(
+            self.geometry.cell_of(*request.start),
+            self._goal_cells(request.goal, request.tolerance),
+            request.barred,
+            request.cost,
+            request.adjacency,
+            p.epsilon,
+            p.diagonal,
+            p.corner_cutting,
+        )
+        rungs = self._map.rungs(request.layer)
         found: list[tuple[float, SearchResult]] = []
         for rung in request.rungs:
-            admissible = admissible_cells(cut, rung, request.barred)
-            admissible[start] = True
-            end = first_reachable(admissible, start, ends, request.adjacency, p.corner_cutting)
-            if end is None:
+            path = rungs.search(query, rung)
+            if path is None:
                 continue
-            path = find_path(
-                paid,
-                start,
-                end,
-                request.cost,
-                rung,
-                request.adjacency,
-                epsilon=p.epsilon,
-                diagonal=p.diagonal,
-                corner_cutting=p.corner_cutting,
-                cut=cut,
-                barred=request.barred,
-            )
             found.append((rung, path))
             if p.rung_choice == "first":
                 break
         if not found:
-            goal_blocked = not admissible[ends[:, 0], ends[:, 1]].any()
+            goal_blocked = rungs.blocked(query, request.rungs[-1])
             return PlanResult(
                 PlanStatus.NO_PATH, _no_path(request, goal_blocked), alpha=request.rungs[-1]
             )
@@ -304,7 +276,7 @@ class Planner:
             message,
             path.path,
             self._poses(path.path, request.heading),
-            *path_risks(risk + p.epsilon, path.path, p.diagonal),
+            *rungs.risks(query, path.path),
             rung,
             sum(result.expanded for _, result in found),
         )

@@ -10,6 +10,8 @@ from __future__ import annotations
 
 import functools
 import math
+from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +19,7 @@ from scipy import ndimage
 
 __all__ = [
     "DIAGONALS",
+    "Footprint",
     "alpha_cut",
     "augment",
     "beta_cut",
@@ -24,10 +27,13 @@ __all__ = [
     "diagonal_factor",
     "path_risks",
     "real_numbers",
+    "risks_of_path",
 ]
 
 #: Cost of a diagonal step in straight steps.
 DIAGONALS = {"unit": 1.0, "sqrt2": math.sqrt(2.0)}
+
+N = TypeVar("N", np.int8, np.float64)
 
 # Slack [cells] for lengths such as 0.3 / 0.1, which is 2.9999999999999996.
 _SLACK = 1e-6
@@ -82,6 +88,70 @@ def checked_risk(risk: ArrayLike, name: str = "risk") -> NDArray[np.float64]:
     return values
 
 
+@dataclass(frozen=True)
+class Footprint:
+    """The cells under the robot: a union of centred rectangles, whose filters are fast.
+
+    Parameters
+    ----------
+    halves : tuple of (int, int)
+        Cells (rows, columns) that each rectangle reaches from its centre.
+    """
+
+    halves: tuple[tuple[int, int], ...]
+
+    @classmethod
+    def of(
+        cls, radius: float, resolution: float, shape: str, map_shape: tuple[int, ...]
+    ) -> Footprint:
+        """Return the footprint on a map, as `augment` describes it.
+
+        Raises
+        ------
+        ValueError
+            If an argument is out of its range.
+        """
+        if not (math.isfinite(resolution) and resolution > 0.0):
+            raise ValueError(f"resolution must be positive and finite [m], got {resolution}")
+        if not (math.isfinite(radius) and radius >= 0.0):
+            raise ValueError(f"radius must be finite and not negative [m], got {radius}")
+        # A footprint wider than the map reaches outside from everywhere: larger adds nothing.
+        cells = min(radius / resolution, float(sum(map_shape)))
+        if shape == "square":
+            half = math.floor(cells + 0.5 + _SLACK)
+            return cls(((half, half),))
+        if shape != "disc":
+            raise ValueError(f"shape must be 'square' or 'disc', got {shape!r}")
+        halves = {}
+        for k in range(math.floor(cells + _SLACK) + 1):
+            halves[math.floor(math.sqrt((cells + _SLACK) ** 2 - k * k))] = k
+        return cls(tuple((k, j) for j, k in halves.items()))
+
+    @property
+    def reach(self) -> int:
+        """Cells that it reaches from its centre, at most."""
+        return max(max(half) for half in self.halves)
+
+    def largest(self, values: NDArray[N], outside: N) -> NDArray[N]:
+        """Return the largest value under the footprint on each cell.
+
+        Parameters
+        ----------
+        values : ndarray, shape (H, W)
+            Values of the cells.
+        outside : number
+            Value of the cells outside.
+        """
+        filtered = (
+            ndimage.maximum_filter(
+                values, size=(2 * rows + 1, 2 * columns + 1), mode="constant", cval=outside
+            )
+            for rows, columns in self.halves
+        )
+        out: NDArray[N] = functools.reduce(np.maximum, filtered)
+        return out
+
+
 def augment(
     risk: ArrayLike, radius: float, resolution: float, shape: str = "square"
 ) -> NDArray[np.float64]:
@@ -123,28 +193,7 @@ def augment(
            [0. , 0. , 0. , 0. , 0. ]])
     """
     values = checked_risk(risk)
-    if not (math.isfinite(resolution) and resolution > 0.0):
-        raise ValueError(f"resolution must be positive and finite [m], got {resolution}")
-    if not (math.isfinite(radius) and radius >= 0.0):
-        raise ValueError(f"radius must be finite and not negative [m], got {radius}")
-    # A footprint wider than the map reaches outside from everywhere: larger adds nothing.
-    cells = min(radius / resolution, float(sum(values.shape)))
-    if shape == "square":
-        half = math.floor(cells + 0.5 + _SLACK)
-        rectangles = {half: half}
-    elif shape == "disc":
-        # A disc is a union of centred rectangles, whose filters are separable and fast.
-        rectangles = {}
-        for k in range(math.floor(cells + _SLACK) + 1):
-            rectangles[math.floor(math.sqrt((cells + _SLACK) ** 2 - k * k))] = k
-    else:
-        raise ValueError(f"shape must be 'square' or 'disc', got {shape!r}")
-    filtered = (
-        ndimage.maximum_filter(values, size=(2 * k + 1, 2 * j + 1), mode="constant", cval=1.0)
-        for j, k in rectangles.items()
-    )
-    out: NDArray[np.float64] = functools.reduce(np.maximum, filtered)
-    return out
+    return Footprint.of(radius, resolution, shape, values.shape).largest(values, np.float64(1.0))
 
 
 def alpha_cut(risk: NDArray[np.float64], alpha: float) -> NDArray[np.bool_]:
@@ -188,12 +237,26 @@ def path_risks(
     """
     if len(path) == 0:
         raise ValueError("a path has at least one cell, got none")
-    risks = mu[path[:, 0], path[:, 1]] + epsilon
+    return risks_of_path(mu[path[:, 0], path[:, 1]] + epsilon, path, diagonal)
+
+
+def risks_of_path(
+    mu: NDArray[np.float64], path: NDArray[np.int64], diagonal: str
+) -> tuple[float, float, float]:
+    """Return the costs g1, g2, g3 of a path from the risks of its cells.
+
+    Parameters
+    ----------
+    mu : ndarray of float64, shape (n,)
+        Risk of each of its cells, the constant epsilon included, n at least 1.
+    path, diagonal
+        As `path_risks` takes them.
+    """
     weights = np.ones(len(path))
     steps = np.abs(np.diff(path, axis=0)).sum(axis=1)
     weights[1:][steps == 2] = diagonal_factor(diagonal)
     # fsum: exact however long the path.
-    return math.fsum(weights * risks), math.fsum(weights * risks**2), float(risks.max())
+    return math.fsum(weights * mu), math.fsum(weights * mu**2), float(mu.max())
 
 
 def diagonal_factor(diagonal: str) -> float:

@@ -50,6 +50,7 @@ class Workspace:
         adjacency: int,
         diagonal: float,
         corner_cutting: bool,
+        limit: int | None = None,
     ) -> tuple[NDArray[np.int64], int]:
         """Return a cheapest path between two different cells.
 
@@ -65,6 +66,8 @@ class Workspace:
             Factor on the cost of a diagonal step.
         corner_cutting : bool
             Whether a diagonal step may pass beside a cell that must not be entered.
+        limit : int, optional
+            Most cells to expand; a path that takes more is not found.
 
         Returns
         -------
@@ -99,7 +102,8 @@ class Workspace:
         everywhere = field.bottleneck or diagonal == 1.0
         begin, steps = _steps(adjacency, everywhere and corner_cutting)
         offsets = np.array([row * width + column for row, column in kernels.STEPS])
-        request = (width, target, adjacency, diagonal, corner_cutting, field.bottleneck)
+        most = field.cells.size if limit is None else limit
+        request = (width, target, most, adjacency, diagonal, corner_cutting, field.bottleneck)
         try:
             while True:
                 cells = (begin, steps, offsets, self._state, self._cost, self._length, buckets)
@@ -116,7 +120,7 @@ class Workspace:
                     break
                 self._make_room(control)
             path = np.empty((0, 2), np.int64)
-            if 0 < self._state[target] < kernels.BLOCKED:
+            if kernels.CLOSED < self._state[target] < kernels.BLOCKED:
                 path = kernels.trace(self._state, width, origin, target)
         finally:
             touched = slice(

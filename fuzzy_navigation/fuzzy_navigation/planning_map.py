@@ -1,0 +1,327 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""The augmented planning map as the planner keeps it: up to date by windows, ready to search.
+
+A map whose risks are hundredths, as all that come in occupancy grids are, is kept as two
+bytes a cell, in the layout that the search reads. A search then begins without a look at the
+whole map, however large that is. Other maps are kept as they are.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzy_map_building.grid import Window
+from fuzzy_navigation.cost_field import HUNDREDTHS, NO_ENTRY, CostField, coded_costs
+from fuzzy_navigation.plan_types import RiskLayer
+from fuzzy_navigation.risk import Footprint, diagonal_factor, path_risks, risks_of_path
+from fuzzy_navigation.search import SearchResult, admissible_cells, find_path, first_reachable
+from fuzzy_navigation.workspace import Workspace
+
+__all__ = ["LayeredMap", "PlanningMap", "Query", "Rungs"]
+
+# Code of the start's cell, which may be entered whatever its risk.
+_START = NO_ENTRY - 1
+#: After so many expanded cells, or such a share of the map's if that is more, it is worth a
+#: look at the whole map, whether the goal can be reached at all.
+PATIENCE = 4096
+_WORTH_A_LOOK = 1 / 16
+
+Cells = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Query:
+    """What a path is asked to be, on every rung.
+
+    Parameters
+    ----------
+    start : tuple of int
+        (row, column), admissible whatever its risk.
+    ends : ndarray of int64, shape (n, 2)
+        Cells where the path may end, in the order of preference.
+    barred : ndarray of int64, shape (m, 2)
+        Cells that the path must not enter.
+    cost, adjacency, epsilon, diagonal, corner_cutting
+        As `search.find_path` takes them.
+    """
+
+    start: tuple[int, int]
+    ends: Cells
+    barred: Cells
+    cost: str
+    adjacency: int
+    epsilon: float
+    diagonal: str
+    corner_cutting: bool
+
+
+class Rungs(Protocol):
+    """What the planner climbs: admissible cells, rung by rung."""
+
+    def search(self, query: Query, rung: float) -> SearchResult | None:
+        """Return a path of least cost to the first end that can be reached, None if none can.
+
+        Parameters
+        ----------
+        query : Query
+            What is asked.
+        rung : float
+            Largest risk of an admissible cell.
+        """
+
+    def blocked(self, query: Query, rung: float) -> bool:
+        """Whether no end is admissible, be it reachable or not."""
+
+    def risks(self, query: Query, path: Cells) -> tuple[float, float, float]:
+        """Return the costs g1, g2, g3 of a path on the augmented map."""
+
+
+class LayeredMap:
+    """An augmented map as it is, with what one request lays over it.
+
+    Parameters
+    ----------
+    risk : ndarray of float64, shape (H, W)
+        The augmented map.
+    layer : RiskLayer, optional
+        Risks that come on top.
+    barred : ndarray of bool, shape (H, W), optional
+        Cells that no path may enter, beside those of the query.
+    workspace : Workspace
+        Arrays to search in.
+    """
+
+    def __init__(
+        self,
+        risk: NDArray[np.float64],
+        layer: RiskLayer | None,
+        barred: NDArray[np.bool_] | None,
+        workspace: Workspace,
+    ) -> None:
+        self._risk = self._cut = self._paid = risk
+        if layer is not None:
+            self._cut = np.maximum(risk, layer.cut)
+            self._paid = np.maximum(risk, layer.cost)
+        self._barred = barred
+        self._workspace = workspace
+
+    def search(self, query: Query, rung: float) -> SearchResult | None:
+        """See `Rungs`."""
+        admissible = self._admissible(query, rung)
+        end = first_reachable(
+            admissible, query.start, query.ends, query.adjacency, query.corner_cutting
+        )
+        if end is None:
+            return None
+        return find_path(
+            self._paid,
+            query.start,
+            end,
+            query.cost,
+            rung,
+            query.adjacency,
+            epsilon=query.epsilon,
+            diagonal=query.diagonal,
+            corner_cutting=query.corner_cutting,
+            cut=self._cut,
+            barred=self._bars(query),
+            workspace=self._workspace,
+        )
+
+    def blocked(self, query: Query, rung: float) -> bool:
+        """See `Rungs`."""
+        return not self._admissible(query, rung)[query.ends[:, 0], query.ends[:, 1]].any()
+
+    def risks(self, query: Query, path: Cells) -> tuple[float, float, float]:
+        """See `Rungs`."""
+        return path_risks(self._risk, path, query.diagonal, query.epsilon)
+
+    def _bars(self, query: Query) -> NDArray[np.bool_] | None:
+        if len(query.barred) == 0:
+            return self._barred
+        none = np.zeros(self._risk.shape, dtype=np.bool_)
+        bars = none if self._barred is None else self._barred.copy()
+        bars[query.barred[:, 0], query.barred[:, 1]] = True
+        return bars
+
+    def _admissible(self, query: Query, rung: float) -> NDArray[np.bool_]:
+        admissible = admissible_cells(self._cut, rung, self._bars(query))
+        admissible[query.start] = True
+        return admissible
+
+
+class PlanningMap:
+    """A planning map in hundredths and what the robot's footprint makes of it.
+
+    Parameters
+    ----------
+    codes : ndarray of int8, shape (H, W)
+        Risks in hundredths, 0 to 100.
+    footprint : Footprint
+        The cells under the robot.
+    workspace : Workspace
+        Arrays to search in.
+    """
+
+    def __init__(
+        self, codes: NDArray[np.int8], footprint: Footprint, workspace: Workspace
+    ) -> None:
+        height, width = codes.shape
+        self._codes = codes
+        self._footprint = footprint
+        self._field = np.full((height + 2, width + 2), NO_ENTRY, np.int8)
+        self._inner = self._field[1:-1, 1:-1]
+        # How many cells have each augmented risk.
+        self._count = np.zeros(len(HUNDREDTHS), np.int64)
+        self._augment(Window(0, height, 0, width))
+        self._workspace = workspace
+
+    @property
+    def nbytes(self) -> int:
+        """Memory of the map [bytes]."""
+        return self._codes.nbytes + self._field.nbytes
+
+    @property
+    def planning_risk(self) -> NDArray[np.float64]:
+        """The map without augmentation, shape (H, W)."""
+        return HUNDREDTHS[self._codes]
+
+    @property
+    def augmented_risk(self) -> NDArray[np.float64]:
+        """The augmented map, shape (H, W)."""
+        return HUNDREDTHS[self._inner]
+
+    def update(self, codes: NDArray[np.int8], window: Window) -> None:
+        """Take new risks for a window.
+
+        Parameters
+        ----------
+        codes : ndarray of int8, shape (h, w)
+            Risks in hundredths, 0 to 100.
+        window : Window
+            Where they are.
+        """
+        if window.empty:
+            return
+        self._codes[window.slices] = codes
+        height, width = self._codes.shape
+        reach = self._footprint.reach
+        touched = Window(
+            max(0, window.row0 - reach),
+            min(height, window.row1 + reach),
+            max(0, window.col0 - reach),
+            min(width, window.col1 + reach),
+        )
+        self._count -= self._histogram(touched)
+        self._augment(touched)
+
+    def search(self, query: Query, rung: float) -> SearchResult | None:
+        """See `Rungs`."""
+        with self._marked(query) as start_risk:
+            field = self._costs(query, rung, start_risk)
+            ends = query.ends[self._enterable(field, query)]
+            if len(ends) == 0:
+                return None
+            size = self._codes.size
+            found = self._path(field, query, ends[0], max(PATIENCE, int(size * _WORTH_A_LOOK)))
+            if found is None:
+                free = np.isfinite(field.table)[self._inner]
+                end = first_reachable(
+                    free, query.start, ends, query.adjacency, query.corner_cutting
+                )
+                if end is None:
+                    return None
+                found = self._path(field, query, end, size)
+        return found
+
+    def blocked(self, query: Query, rung: float) -> bool:
+        """See `Rungs`."""
+        with self._marked(query) as start_risk:
+            field = self._costs(query, rung, start_risk)
+            return not self._enterable(field, query).any()
+
+    def risks(self, query: Query, path: Cells) -> tuple[float, float, float]:
+        """See `Rungs`."""
+        mu = HUNDREDTHS[self._inner[path[:, 0], path[:, 1]]] + query.epsilon
+        return risks_of_path(mu, path, query.diagonal)
+
+    def _enterable(self, field: CostField, query: Query) -> NDArray[np.bool_]:
+        codes = self._inner[query.ends[:, 0], query.ends[:, 1]]
+        return np.isfinite(field.table[codes])
+
+    def _path(
+        self, field: CostField, query: Query, end: Sequence[int] | Cells, limit: int
+    ) -> SearchResult | None:
+        goal = (int(end[0]), int(end[1]))
+        path, expanded = np.array([query.start], dtype=np.int64), 0
+        if goal != query.start:
+            path, expanded = self._workspace.search(
+                field,
+                query.start,
+                goal,
+                query.adjacency,
+                diagonal_factor(query.diagonal),
+                query.corner_cutting,
+                limit,
+            )
+        if len(path) == 0:
+            return None
+        codes = self._inner[path[:, 0], path[:, 1]]
+        codes[0] = self._start_code
+        costs = risks_of_path(HUNDREDTHS[codes] + query.epsilon, path, query.diagonal)
+        return SearchResult(True, path, *costs, expanded)
+
+    def _costs(self, query: Query, rung: float, start_risk: float) -> CostField:
+        """Return what it costs to enter each cell."""
+        admissible = (rung >= HUNDREDTHS) & (self._count > 0)
+        least = min(float(HUNDREDTHS[admissible].min(initial=math.inf)), start_risk)
+        table = np.full(NO_ENTRY + 1, math.inf)
+        table[: len(HUNDREDTHS)] = np.where(rung >= HUNDREDTHS, HUNDREDTHS, math.inf)
+        table[_START] = start_risk
+        table += query.epsilon
+        return coded_costs(self._field, table, least + query.epsilon, query.epsilon, query.cost)
+
+    @contextmanager
+    def _marked(self, query: Query) -> Iterator[float]:
+        """Have the start and the barred cells marked, and their risks not counted, meanwhile."""
+        rows = np.append(query.barred[:, 0], query.start[0])
+        columns = np.append(query.barred[:, 1], query.start[1])
+        before = self._inner[rows, columns]
+        places = np.unique(rows * self._codes.shape[1] + columns)
+        risks = self._inner[np.divmod(places, self._codes.shape[1])]
+        taken = np.bincount(risks, minlength=len(HUNDREDTHS))
+        self._start_code = int(before[-1])
+        self._count -= taken
+        self._inner[rows, columns] = NO_ENTRY
+        self._inner[query.start] = _START
+        try:
+            yield float(HUNDREDTHS[self._start_code])
+        finally:
+            self._count += taken
+            self._inner[rows, columns] = before
+
+    def _histogram(self, window: Window) -> NDArray[np.int64]:
+        return np.bincount(self._inner[window.slices].reshape(-1), minlength=len(HUNDREDTHS))
+
+    def _augment(self, window: Window) -> None:
+        """Make the augmented map of a window anew."""
+        height, width = self._codes.shape
+        reach = self._footprint.reach
+        row0, col0 = max(0, window.row0 - reach), max(0, window.col0 - reach)
+        seen = self._codes[
+            row0 : min(height, window.row1 + reach), col0 : min(width, window.col1 + reach)
+        ]
+        # What is near an inner side of the part seen is wrong, and not in the window.
+        worst = self._footprint.largest(seen, np.int8(100))
+        self._inner[window.slices] = worst[
+            window.row0 - row0 : window.row1 - row0, window.col0 - col0 : window.col1 - col0
+        ]
+        self._count += self._histogram(window)

@@ -1,0 +1,150 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""A map taken by windows against the same map taken whole, and what a replan touches."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from fuzzy_map_building.grid import GridGeometry, Window
+from fuzzy_navigation import planning_map
+from fuzzy_navigation.params import PlannerParameters
+from fuzzy_navigation.planner import Planner, PlanStatus
+from fuzzy_navigation.risk import augment
+
+HEIGHT, WIDTH = 30, 44
+GEOMETRY = GridGeometry(WIDTH, HEIGHT, 0.1)
+WHOLE = Window(0, HEIGHT, 0, WIDTH)
+BELOW = 1e-9  # a risk with this added is no hundredth
+
+
+def random_map(rng, shape=(HEIGHT, WIDTH)):
+    risk = (rng.random(shape) ** 3).round(2)
+    risk[rng.random(shape) < 0.03] = 1.0
+    return risk
+
+
+def same_answer(first, second):
+    """Whether two results are the same in everything but how many cells were looked at."""
+    return (
+        (first.status, first.message, first.poses, first.alpha)
+        == (second.status, second.message, second.poses, second.alpha)
+        and (first.g1, first.g2, first.g3) == (second.g1, second.g2, second.g3)
+        and first.path.tolist() == second.path.tolist()
+    )
+
+
+@pytest.mark.parametrize("footprint", ["square", "disc"])
+@pytest.mark.parametrize("radius", [0.0, 0.23])
+@pytest.mark.parametrize("off", [0.0, BELOW], ids=["hundredths", "exact"])
+def test_windows_make_the_map_that_the_whole_makes(footprint, radius, off):
+    rng = np.random.default_rng(3)
+    parameters = PlannerParameters(robot_radius=radius, augmentation=footprint)
+    by_windows, whole = Planner(GEOMETRY, parameters), Planner(GEOMETRY, parameters)
+    risk = random_map(rng)
+    by_windows.set_map(risk)
+    places = [(0, 0), (HEIGHT - 1, WIDTH - 1), *rng.integers(0, (HEIGHT, WIDTH), (30, 2))]
+    for k, (row, column) in enumerate(places):
+        window = Window(row, min(HEIGHT, row + 9), column, min(WIDTH, column + 7))
+        risk = risk.copy()
+        risk[window.slices] = random_map(rng, window.shape)
+        if k == len(places) // 2:
+            risk[row, column] = min(1.0, risk[row, column] + off)  # from here on as it is
+        # Outside of the window nothing is read.
+        given = np.full(risk.shape, np.nan)
+        given[window.slices] = risk[window.slices]
+        by_windows.set_map(given, window=window)
+        whole.set_map(risk)
+        expected = augment(risk, radius, 0.1, footprint)
+        np.testing.assert_array_equal(by_windows.augmented_risk, expected)
+        start, goal = rng.random((2, 2)) * (0.1 * WIDTH, 0.1 * HEIGHT)
+        for cost in ("g1", "g3"):
+            answers = [p.plan(tuple(start), tuple(goal), cost) for p in (by_windows, whole)]
+            assert same_answer(*answers)
+
+
+def plans(planner, count=60):
+    """Answers to requests of all kinds, half of them with barred cells."""
+    rng = np.random.default_rng(9)
+    out = []
+    for k in range(count):
+        start, goal, *barred = rng.random((2 + 12 * (k % 2), 2)) * (0.1 * WIDTH, 0.1 * HEIGHT)
+        if k % 10 == 1:
+            barred[0] = start
+        cost, alpha = ("g1", "g2", "g3")[k % 3], (0.0, 0.05, 0.6)[k % 4 % 3]
+        out.append(planner.plan(tuple(start), tuple(goal), cost, alpha, barred=barred))
+    return out
+
+
+@pytest.mark.parametrize("options", [{}, {"corner_cutting": False}, {"diagonal": "sqrt2"}])
+@pytest.mark.parametrize("patience", [1, 4096], ids=["looks_at_all", "looks_on_its_way"])
+def test_hundredths_are_planned_on_as_any_risks_are(monkeypatch, options, patience):
+    """A bar on a cell that is closed anyway makes the planner go the way of any risks."""
+    monkeypatch.setattr(planning_map, "PATIENCE", patience)
+    monkeypatch.setattr(planning_map, "_WORTH_A_LOOK", 0.0)
+    risk = random_map(np.random.default_rng(5))
+    risk[12, 1:-1] = 1.0
+    nowhere = np.zeros(risk.shape, dtype=bool)
+    parameters = PlannerParameters(robot_radius=0.04, tolerance=0.35, **options)
+    coded, exact = Planner(GEOMETRY, parameters), Planner(GEOMETRY, parameters)
+    coded.set_map(risk)
+    exact.set_map(risk, barred=nowhere)
+    answers = list(zip(plans(coded), plans(exact), strict=True))
+    assert all(same_answer(*pair) for pair in answers)
+    found = sum(first.status is PlanStatus.FOUND for first, _ in answers)
+    assert 10 < found < 55
+    # What one request marks, the next does not see.
+    assert all(same_answer(*pair) for pair in zip(plans(coded), plans(coded), strict=True))
+    np.testing.assert_array_equal(coded.augmented_risk, exact.augmented_risk)
+
+
+def test_another_robot_augments_anew():
+    risk = random_map(np.random.default_rng(1))
+    planner = Planner(GEOMETRY)
+    planner.set_map(risk)
+    planner.parameters = dataclasses.replace(planner.parameters, robot_radius=0.1)
+    np.testing.assert_array_equal(planner.augmented_risk, augment(risk, 0.1, 0.1))
+
+
+def test_what_is_refused_changes_nothing():
+    risk = random_map(np.random.default_rng(2))
+    planner = Planner(GEOMETRY)
+    with pytest.raises(ValueError, match="first planning map must be whole"):
+        planner.set_map(risk, window=Window(0, 2, 0, 2))
+    planner.set_map(risk)
+    before = planner.augmented_risk
+    wrong = risk.copy()
+    wrong[4, 5] = 1.5
+    for given, window, words in (
+        (wrong, Window(3, 6, 3, 6), r"window of the planning map.*row 1, column 2: 1.5"),
+        (risk[1:], Window(3, 6, 3, 6), r"shape \(29, 44\)"),
+        (risk, Window(3, HEIGHT + 1, 3, 6), "no part of a map of 30 rows, 44 columns"),
+        (risk, Window(-1, 2, 3, 6), "no part of a map"),
+        (risk, Window(4, 2, 3, 6), "no part of a map"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            planner.set_map(given, window=window)
+    with pytest.raises(ValueError, match="barred must not be given with a window"):
+        planner.set_map(risk, np.zeros(risk.shape, dtype=bool), WHOLE)
+    planner.set_map(wrong, window=Window(4, 4, 2, 9))  # of no cell
+    np.testing.assert_array_equal(planner.augmented_risk, before)
+
+
+def test_bars_of_the_map_outlive_windows():
+    barred = np.zeros((HEIGHT, WIDTH), dtype=bool)
+    barred[:, 20] = True
+    planner = Planner(GEOMETRY, PlannerParameters(robot_radius=0.0))
+    planner.set_map(np.zeros(barred.shape), barred)
+    planner.set_map(np.full(barred.shape, 0.01), window=Window(3, 9, 3, 9))
+    assert planner.plan((0.5, 0.5), (4.0, 0.5)).status is PlanStatus.NO_PATH
+
+
+def test_memory():
+    """At most 20 bytes a cell for the map and all that a search through the whole of it needs."""
+    size = 700
+    rng = np.random.default_rng(4)
+    planner = Planner(GridGeometry(size, size, 0.1), PlannerParameters(robot_radius=0.0))
+    planner.set_map((0.6 * rng.random((size, size))).round(2))
+    assert planner.plan((0.05, 0.05), (69.95, 69.95)).expanded > 0.5 * size**2
+    assert planner.nbytes <= 20 * size**2
