@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fuzzy_map_building.grid import GridGeometry
+from fuzzy_map_building.types import Pose2
 from fuzzy_navigation.risk import augment, beta_cut
 
 __all__ = ["ExploredArea"]
@@ -31,6 +32,10 @@ class ExploredArea:
         Radius of the body [m].
     augmentation : {"square", "disc"}
         Footprint of the body.
+    robot : Pose2, optional
+        Where the robot is. What its body covers is free, whatever the map says: obstacles
+        closer than the sonars can measure let the belief of empty fade even there, and the
+        robot would be trapped by a cell that it stands on.
 
     Raises
     ------
@@ -45,6 +50,7 @@ class ExploredArea:
         beta: float,
         robot_radius: float,
         augmentation: str,
+        robot: Pose2 | None = None,
     ) -> None:
         if np.shape(motion_risk) != geometry.shape:
             raise ValueError(
@@ -52,9 +58,15 @@ class ExploredArea:
                 f"has {geometry.shape}"
             )
         self.geometry = geometry
+        if robot is not None:
+            motion_risk = _without_body(geometry, motion_risk, robot, robot_radius)
         # "To account for the actual robot dimensions": paper, section IV-B.
         risk = augment(motion_risk, robot_radius, geometry.resolution, augmentation)
         self._cells = beta_cut(risk, beta)
+
+    def holds(self, x: float, y: float) -> bool:
+        """Tell whether the robot's centre may enter the cell that holds a point (x, y) [m]."""
+        return self.geometry.contains(x, y) and bool(self._cells[self.geometry.cell_of(x, y)])
 
     def reach(self, path: NDArray[np.float64], at: int = 0) -> int:
         """Return the index of the last point of a path that the robot may drive to.
@@ -70,3 +82,16 @@ class ExploredArea:
         # Indices of points outside the map are -1: whatever they find does not count.
         allowed = inside & self._cells[cells[:, 0], cells[:, 1]]
         return len(path) - 1 if allowed.all() else at + int(np.argmin(allowed))
+
+
+def _without_body(
+    geometry: GridGeometry, motion_risk: ArrayLike, robot: Pose2, radius: float
+) -> NDArray[np.float64]:
+    """Return the map with no risk in the cells that lie wholly under the body."""
+    risk = np.array(motion_risk, dtype=np.float64)
+    window = geometry.window(robot.x, robot.y, radius)
+    x, y = geometry.centres(window)
+    half = 0.5 * geometry.resolution
+    farthest = np.hypot(np.abs(x - robot.x)[None, :] + half, np.abs(y - robot.y)[:, None] + half)
+    risk[window.slices][farthest <= radius] = 0.0
+    return risk

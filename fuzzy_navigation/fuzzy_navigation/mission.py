@@ -73,7 +73,7 @@ class Mission:
         self._hold = Hold()
         self._asked_at, self._answered, self._map_seen = 0.0, False, False
         keep_out = self._p.robot_radius + self._p.clearance.override
-        self._refused = RefusedCells(self._p.refusal_memory, keep_out)
+        self._refused = RefusedCells(self._p.refusal_memory, keep_out, self._p.believed_free_alpha)
 
     @property
     def active(self) -> bool:
@@ -218,7 +218,9 @@ class Mission:
         """
         self._time.check(now)
         p = self._p
-        self._area = ExploredArea(geometry, motion_risk, p.beta, p.robot_radius, p.augmentation)
+        self._area = ExploredArea(
+            geometry, motion_risk, p.beta, p.robot_radius, p.augmentation, self._pose
+        )
         self._advance(now)
         refusal = verdicts.outside(self._record, geometry) if self.active else None
         if refusal:

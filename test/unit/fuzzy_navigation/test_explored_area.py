@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from fuzzy_map_building.grid import GridGeometry
+from fuzzy_map_building.types import Pose2
 from fuzzy_navigation.explored_area import ExploredArea
 
 GEOMETRY = GridGeometry(12, 9, 0.1, (1.0, -2.0))
@@ -45,6 +46,33 @@ def test_the_cells_up_to_the_robot_are_exempt() -> None:
 def test_it_ends_where_the_map_does() -> None:
     area = ExploredArea(GEOMETRY, np.zeros(GEOMETRY.shape), 0.9, 0.0, "square")
     assert area.reach(row(4, range(2, 20))) == 9
+
+
+def test_what_the_body_covers_is_free() -> None:
+    """Against the corners of each cell, one by one."""
+    robot, radius = Pose2(1.53, -1.52, 2.0), 0.23
+    covered = {
+        (y, x)
+        for y in range(9)
+        for x in range(12)
+        if all(
+            robot.distance_to(cx + dx, cy + dy) <= radius
+            for cx, cy in [GEOMETRY.centre_of(y, x)]
+            for dx in (-0.05, 0.05)
+            for dy in (-0.05, 0.05)
+        )
+    }
+    assert len(covered) > 4
+    # Farther out the footprint leaves the map, or the risk touches the exempt start alone.
+    for y in range(2, 7):
+        for x in range(1, 11):
+            # One risky cell: in the way unless the body covers it.
+            risk = np.zeros(GEOMETRY.shape)
+            risk[y, x] = 1.0
+            area = ExploredArea(GEOMETRY, risk, 0.9, radius, "square", robot)
+            path = row(y, range(2, 10))
+            passes = area.reach(path) == len(path) - 1
+            assert passes is ((y, x) in covered)
 
 
 @pytest.mark.parametrize(

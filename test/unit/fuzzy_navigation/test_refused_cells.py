@@ -11,10 +11,11 @@ from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.types import Pose2
 from fuzzy_navigation.params import planner_parameters
 from fuzzy_navigation.planner import Planner, PlanStatus
-from fuzzy_navigation.refused_cells import UNEXPLORED_MEMORY, RefusedCells
+from fuzzy_navigation.refused_cells import RISKY_RADIUS, UNEXPLORED_MEMORY, RefusedCells
 
 GEOMETRY = GridGeometry(40, 30, 0.1, (-1.0, 0.5))
 KEEP_OUT = 0.28
+CELL = GEOMETRY.centre_of(25, 30)  # (2.05, 3.05) m
 
 
 def near(hits):
@@ -27,7 +28,7 @@ def near(hits):
 
 def test_holds_the_cells_around_every_hit_point():
     hits = np.array([(0.513, 1.207), (0.7, 1.25), (2.95, 3.4)])  # the last in a corner
-    memory = RefusedCells(5, KEEP_OUT)
+    memory = RefusedCells(5, KEEP_OUT, 0.6)
     memory.add_obstacle(3, hits, GEOMETRY)
     expected = near(hits)
     assert len(expected) > 30
@@ -35,47 +36,101 @@ def test_holds_the_cells_around_every_hit_point():
 
 
 def test_an_obstacle_is_forgotten_after_its_time():
-    memory = RefusedCells(5, KEEP_OUT)
+    memory = RefusedCells(5, KEEP_OUT, 0.6)
     memory.add_obstacle(3, np.array([(0.5, 1.5)]), GEOMETRY)
     assert memory.barred(7)
     assert memory.barred(8) == ()
 
 
+def looked_at_twice(memory, perception, x, y):
+    memory.add_unexplored(perception, (x, y), 0.6, 2, GEOMETRY)
+
+
+def times(memory, cell, perception):
+    """Return for how many perceptions a cell is barred from one on."""
+    barred = [k for k in range(perception, perception + 60) if cell in memory.barred(k)]
+    assert barred == list(range(perception, perception + len(barred)))
+    return len(barred)
+
+
+def test_a_cell_that_does_not_open_is_barred_after_two_looks():
+    cell = CELL
+    memory = RefusedCells(20, KEEP_OUT, 0.6)
+    barred = []
+    for looks in range(3):
+        memory.add_unexplored(10 + looks, cell, 0.6, looks, GEOMETRY)
+        barred.append(times(memory, cell, 10 + looks))
+    assert barred == [0, 0, UNEXPLORED_MEMORY]
+
+
+def test_a_cell_that_stops_the_robot_at_every_visit_is_barred_for_longer_each_time():
+    cell, other = CELL, GEOMETRY.centre_of(25, 31)
+    memory = RefusedCells(20, KEEP_OUT, 0.6)
+    barred = []
+    for perception in range(100, 1000, 100):
+        memory.add_unexplored(perception, cell, 0.6, 0, GEOMETRY)
+        barred.append(times(memory, cell, perception))
+        memory.add_unexplored(perception + 50, other, 0.6, 0, GEOMETRY)
+    # From the third on, doubled each time, and no longer than the memory reaches.
+    assert barred[:6] == [0, 0, 4, 8, 16, 20]
+    assert set(barred[6:]) == {20}
+    memory.forget()
+    memory.add_unexplored(5000, cell, 0.6, 0, GEOMETRY)
+    assert memory.barred(5000) == ()
+
+
+def test_on_a_risky_path_the_cells_around_are_the_same_place():
+    memory = RefusedCells(20, KEEP_OUT, 0.6)
+    for perception, x in ((10, 2.05), (20, 2.15), (30, 1.95)):
+        assert memory.barred(perception) == ()
+        memory.add_unexplored(perception, (x, 3.05), 0.8, 0, GEOMETRY)
+    # 1.95 is 0.2 m from 2.15: two tries only, of which none bars.
+    assert memory.barred(30) == ()
+    memory.add_unexplored(40, (2.05, 3.05), 0.8, 0, GEOMETRY)
+    expected = {
+        (x, y)
+        for x, y in (GEOMETRY.centre_of(r, c) for r in range(30) for c in range(40))
+        if math.hypot(x - 2.05, y - 3.05) <= RISKY_RADIUS
+    }
+    assert len(expected) == 9
+    assert set(memory.barred(40)) == expected
+
+
 def test_an_unexplored_cell_is_forgotten_sooner_but_does_not_shorten_an_obstacle():
-    memory = RefusedCells(20, KEEP_OUT)
-    memory.add_unexplored(3, 2.05, 3.05)
-    assert memory.barred(2 + UNEXPLORED_MEMORY) == ((2.05, 3.05),)
+    memory = RefusedCells(20, KEEP_OUT, 0.6)
+    looked_at_twice(memory, 3, *CELL)
+    assert memory.barred(2 + UNEXPLORED_MEMORY) == (CELL,)
     assert memory.barred(3 + UNEXPLORED_MEMORY) == ()
     memory.add_obstacle(3, np.array([(0.05, 1.05)]), GEOMETRY)
     cell = memory.barred(3)[0]
-    memory.add_unexplored(3, *cell)
+    looked_at_twice(memory, 3, *cell)
     assert cell in memory.barred(22)
 
 
 @pytest.mark.parametrize("hits", [np.empty((0, 2)), np.array([(90.0, 90.0)])])
 def test_without_a_hit_in_the_map_there_is_nothing(hits):
-    memory = RefusedCells(5, KEEP_OUT)
+    memory = RefusedCells(5, KEEP_OUT, 0.6)
     memory.add_obstacle(1, hits, GEOMETRY)
     assert memory.barred(1) == ()
     assert not memory.release()
 
 
 def test_no_memory_as_in_the_paper():
-    memory = RefusedCells(0, KEEP_OUT)
+    memory = RefusedCells(0, KEEP_OUT, 0.6)
     memory.add_obstacle(1, np.array([(0.5, 1.5)]), GEOMETRY)
-    memory.add_unexplored(1, 0.55, 1.55)
+    looked_at_twice(memory, 1, 0.55, 1.55)
     assert memory.barred(1) == ()
 
 
 def test_gives_free_once_a_mission():
-    memory = RefusedCells(5, KEEP_OUT)
-    memory.add_unexplored(1, 0.55, 1.55)
+    memory = RefusedCells(5, KEEP_OUT, 0.6)
+    looked_at_twice(memory, 1, 0.55, 1.55)
     assert memory.release()
     assert memory.barred(1) == ()
-    memory.add_unexplored(1, 0.55, 1.55)
+    looked_at_twice(memory, 1, 0.55, 1.55)
     assert not memory.release()
     memory.forget()
-    memory.add_unexplored(1, 0.55, 1.55)
+    looked_at_twice(memory, 1, 0.55, 1.55)
     assert memory.release()
 
 
