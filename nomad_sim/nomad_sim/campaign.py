@@ -43,6 +43,12 @@ from nomad_sim.workers import run_in_parallel
 __all__ = ["main", "run_batch"]
 
 _INTERRUPTED = 128 + signal.SIGINT
+#: What signals are raised as, and after how long one that was lost is sent again [s].
+_SIGNALS: dict[type[BaseException], signal.Signals] = {
+    SystemExit: signal.SIGTERM,
+    KeyboardInterrupt: signal.SIGINT,
+}
+_AGAIN = 0.1
 #: Characters in a line above a figure.
 _TITLE_WIDTH = 70
 
@@ -160,10 +166,22 @@ def _terminable() -> Iterator[None]:
     def leave(number: int, _frame: FrameType | None) -> NoReturn:
         raise SystemExit(128 + number)
 
-    before = signal.signal(signal.SIGTERM, leave)
+    def lost(report: sys.UnraisableHookArgs) -> None:
+        # A signal that meets a callback of the compiler cannot end anything: once more.
+        number = _SIGNALS.get(report.exc_type)
+        if number is None:
+            hook(report)
+            return
+        again = threading.Timer(_AGAIN, signal.pthread_kill, (threading.get_ident(), number))
+        again.daemon = True
+        again.start()
+
+    before, hook = signal.signal(signal.SIGTERM, leave), sys.unraisablehook
+    sys.unraisablehook = lost
     try:
         yield
     finally:
+        sys.unraisablehook = hook
         signal.signal(signal.SIGTERM, before)
 
 

@@ -174,6 +174,11 @@ def _rules(given: Namespace) -> Rules:
 
 def _trials(given: Namespace) -> TrialBatch:
     rules, seeds = _rules(given), _seeds(given)
+    if "robot.radius" in rules.simulator or "goal_tolerance" in rules.motion:
+        raise ValueError(
+            "what is true of a drawn world holds for the robot's radius and the goal's tolerance "
+            "as they are: without --set simulator.robot.radius and motion.goal_tolerance"
+        )
     if given.floor_plan is not None:
         plan = load_floor_plan(given.floor_plan)
         return TrialBatch(

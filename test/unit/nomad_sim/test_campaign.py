@@ -4,6 +4,7 @@
 
 import contextlib
 import csv
+import ctypes
 import json
 import os
 import shlex
@@ -353,6 +354,25 @@ def test_ctrl_c_while_the_workers_start_is_as_clean(small: Path, tmp_path: Path)
         assert process.wait(10.0) == 130
         assert wait_until(lambda: not any(alive(pid) for pid in children), 5.0)
     assert "Traceback" not in progress.read_text()
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_signal_that_meets_a_callback_of_compiled_code_is_not_lost(
+    number: signal.Signals, code: int, small: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(_spec: MissionSpec) -> MissionResult:
+        # No exception comes out of it.
+        ctypes.CFUNCTYPE(None)(lambda: signal.raise_signal(number))()
+        time.sleep(20.0)
+        raise AssertionError("the campaign went on")
+
+    monkeypatch.setattr(campaign, "run_spec", interrupted)
+    arguments = ["--world", str(small), "--seeds", "1", "--jobs", "1"]
+    if number == signal.SIGINT:
+        assert main(arguments) == code
+    else:
+        with pytest.raises(SystemExit, match=str(code)):
+            main(arguments)
 
 
 def test_workers_end_when_the_campaign_is_no_more(running: Running) -> None:

@@ -204,6 +204,8 @@ def test_two_campaigns_do_not_write_to_one_file(tmp_path: Path) -> None:
         ("--generated 2 --dask here --jobs 2", "either --jobs on this machine or --dask"),
         ("--world lab --dask here", "--dask runs many missions"),
         ("--generated --replay 3 --dask here", "--dask runs many missions"),
+        ("--generated 2 --set simulator.robot.radius=0.2", "without --set simulator.robot.radius"),
+        ("--generated 2 --set motion.goal_tolerance=0.2", "and motion.goal_tolerance"),
         ("--floor-plan no/such.yaml", "cannot read floor plan"),
     ],
 )
