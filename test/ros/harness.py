@@ -291,7 +291,7 @@ class NodeProcess:
         wait_until(found, f"'{text}' in the output of {self.executable}", timeout)
         return self.output()
 
-    def wait(self, timeout: float = DEADLINE) -> int:
+    def wait(self, timeout: float = START_DEADLINE) -> int:
         """Return the exit code once the process has ended."""
         try:
             return self._process.wait(timeout)

@@ -86,3 +86,18 @@ def twist(linear: float = 0.0, angular: float = 0.0, lateral: float = 0.0) -> Tw
     message = Twist()
     message.linear.x, message.linear.y, message.angular.z = linear, lateral, angular
     return message
+
+
+class Answering:
+    """Answers every pose with one command, while it is asked to."""
+
+    def __init__(self, probe: Probe) -> None:
+        self.answers: list[float] = []
+        self.on = True
+        self._publisher = probe.publisher(Twist, names.CMD_VEL, qos.RELIABLE)
+        probe.node.create_subscription(PoseStamped, names.POSE, self._on_pose, qos.RELIABLE)
+
+    def _on_pose(self, message: PoseStamped) -> None:
+        if self.on:
+            self.answers.append(stamp(message))
+            self._publisher.publish(twist(0.0, 0.5))

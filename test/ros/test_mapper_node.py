@@ -70,9 +70,10 @@ def module_probe() -> Iterator[Probe]:
 @pytest.fixture(scope="module")
 def mapper(tmp_path_factory: pytest.TempPathFactory) -> Iterator[NodeProcess]:
     log = tmp_path_factory.mktemp("mapper") / "mapper.log"
-    process = NodeProcess(
-        "mapper", log, parameters={"turret.timeout": LONG, "perception.timeout": LONG}
-    )
+    # Where the machine holds somebody up, poses and readings come late or with gaps.
+    patient = ["turret.timeout", "perception.timeout"]
+    patient += ["perception.pose_timeout", "perception.max_pose_gap"]
+    process = NodeProcess("mapper", log, parameters=dict.fromkeys(patient, LONG))
     process.wait_for_output("mapping")
     yield process
     process.close()
@@ -127,7 +128,7 @@ def test_a_perception_gives_the_maps_of_the_core(
     result = response.result
     assert (result.perception, result.readings, result.rejected) == (1, 48, 0)
     assert result.message == ""
-    assert 0.0 < result.duration < 10.0
+    assert 0.0 < result.duration < 60.0
     # The last ones may come after the result, and are then dropped by the client.
     assert feedback
     assert [f.readings for f in feedback] == sorted(f.readings for f in feedback)

@@ -4,16 +4,14 @@
 
 from __future__ import annotations
 
-import signal
 from collections.abc import Callable
 
-import pytest
 from builtin_interfaces.msg import Time
 from fuzzy_msgs.srv import PlanPath
 
 from fuzzy_map_building.ros import names
-from ros.harness import NodeProcess, Probe, wait_until
-from ros.planner_driver import Driver, map_message, request, world
+from ros.harness import NodeProcess, Probe
+from ros.planner_driver import Driver, map_message, world
 
 
 def test_without_a_map_it_says_so(probe: Probe, start_node: Callable[..., NodeProcess]) -> None:
@@ -41,19 +39,6 @@ def test_maps_of_another_time_are_refused_and_counted(
     planner.wait_for_counts(before, {"rejected.planning_map.future": 1})
     assert planner.plan().path.header.stamp == Time(sec=1000)
     planner.give_and_wait(map_message(world(), stamp=990))  # overtaken on the way
-
-
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_it_stops_cleanly_under_load(
-    probe: Probe, start_node: Callable[..., NodeProcess], number: signal.Signals
-) -> None:
-    planner = Driver(probe, start_node("planner"))
-    planner.give_and_wait(map_message(world()))
-    client = probe.node.create_client(PlanPath, names.PLAN_PATH)
-    wait_until(client.service_is_ready, "the service")
-    for _ in range(50):
-        client.call_async(request())
-    planner.process.assert_clean_stop(number)
 
 
 def test_an_unknown_parameter_ends_the_start(start_node: Callable[..., NodeProcess]) -> None:

@@ -17,7 +17,7 @@ from nav_msgs.msg import OccupancyGrid, Odometry
 from rcl_interfaces.srv import GetParameters, SetParameters
 from rclpy.action import ActionServer
 from rclpy.parameter import Parameter
-from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64
 from std_srvs.srv import Trigger
@@ -98,7 +98,7 @@ def test_topics_have_their_types_and_qualities(robot: Robot) -> None:
 
 def test_it_drives_as_told_and_stops_without_commands(robot: Robot) -> None:
     commands = robot.probe.publisher(Twist, names.CMD_VEL, qos.RELIABLE)
-    odom = robot.probe.subscribe(Odometry, names.ODOM, qos.RELIABLE)
+    odom = robot.probe.subscribe(Odometry, names.ODOM, QoSProfile(depth=2000))
     assert robot.x == pytest.approx(1.0)
     commands.publish(twist(0.5))
     odom.wait_for(lambda m: m.twist.twist.linear.x == pytest.approx(0.5))
@@ -117,9 +117,12 @@ def test_the_turret_turns_at_its_rate(robot: Robot) -> None:
     joints = robot.probe.subscribe(JointState, names.JOINT_STATES, qos.JOINT_STATES)
     turret = robot.probe.publisher(Float64, names.TURRET_COMMAND, qos.RELIABLE)
     turret.publish(Float64(data=math.pi / 3))
-    there = joints.wait_for(lambda m: m.position[0] == pytest.approx(math.pi / 3))
+    joints.wait_for(lambda m: m.position[0] == pytest.approx(math.pi / 3))
     turning = [m for m in list(joints.messages) if 0.0 < m.position[0] < math.pi / 3 - 1e-9]
-    assert stamp(there) - stamp(turning[0]) == pytest.approx(1.0, abs=0.06)
+    # Some of the twenty may have been lost: at best effort nothing else is promised.
+    times, angles = [stamp(m) for m in turning], [m.position[0] for m in turning]
+    assert len(turning) > 3
+    assert np.diff(angles) == pytest.approx(math.pi / 3 * np.diff(times))
 
 
 @pytest.mark.parametrize(
@@ -209,8 +212,8 @@ def test_perceptions_that_succeed_count(robot: Robot) -> None:
     for counted in ("0", "1"):
         handle = robot.probe.send_goal(client, BuildMap.Goal())
         robot.probe.result_of(handle.get_result_async())
-        robot.values()
-        assert robot.values()["perceptions"] == counted
+        robot.values()  # a status from after the end of the goal
+        assert robot.values(lambda v, n=counted: v["perceptions"] == n)
     assert truth.wait_for(lambda m: m.data[crate] == 0)
 
 
@@ -218,7 +221,7 @@ def test_the_rate_is_kept_and_a_slow_machine_is_told(robot: Robot) -> None:
     try:
         assert set_parameter(robot.probe, "rate", 2.0).successful
         robot.values()  # this period may include the rate before
-        assert float(robot.values()["rate"]) == pytest.approx(2.0, abs=0.3)
+        assert robot.values(lambda v: abs(float(v["rate"]) - 2.0) < 0.3)
         assert set_parameter(robot.probe, "rate", 1000.0).successful
         message = robot.diagnostics.wait_for(lambda m: "times real time" in m.status[0].message)
         assert message.status[0].level == DiagnosticStatus.WARN

@@ -71,7 +71,10 @@ class SimNode(Node):
         )
         values = self._settings.values
         self._world = load_world(values.world)
-        self._simulator = Simulator(self._world, values, values.start.pose())
+        start = values.start.pose()
+        if start is not None:
+            self._world.check_inside(start.x, start.y, "the start")
+        self._simulator = Simulator(self._world, values, start)
         # The first step compiles loops, which may take seconds: not while others wait for it.
         self._simulator.step(0.0, 0.0, TICK)
         self._simulator.reset()
