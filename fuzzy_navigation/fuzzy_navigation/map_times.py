@@ -12,8 +12,9 @@ __all__ = ["MapTimes"]
 #: simulated time, which may run a hundred times as fast as a clock on the wall, comes by a
 #: topic of its own: a good map may well be heard of seconds before its time is.
 FUTURE_TOLERANCE = 60.0
-#: A map stamped longer than this before the newest one [s] is refused.
-LONGEST_STEP_BACK = 60.0
+#: A map stamped longer than this before the newest one [s] is refused. Longer than the other, so
+#: that after the clock was set back a map of its present is never taken for outdated.
+LONGEST_STEP_BACK = 120.0
 
 
 class MapTimes:
@@ -22,11 +23,11 @@ class MapTimes:
     Examples
     --------
     >>> times = MapTimes("the map")
-    >>> times.check(100.0, 99.0)
-    >>> times.check(100.0, 5.0)
+    >>> times.check(200.0, 199.0)
+    >>> times.check(200.0, 5.0)
     Traceback (most recent call last):
         ...
-    fuzzy_navigation.control_tick.Untimely: the map is stamped 5.000 s, 94.000 s before the ...
+    fuzzy_navigation.control_tick.Untimely: the map is stamped 5.000 s, 194.000 s before the ...
     """
 
     def __init__(self, what: str) -> None:

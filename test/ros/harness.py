@@ -43,7 +43,7 @@ from rclpy.task import Future
 T = TypeVar("T")
 
 #: Longest wait for anything that takes a fraction of a second on a machine without load [s].
-DEADLINE = 20.0
+DEADLINE = 30.0
 #: Longest wait for a process to come up, on a machine that is busy compiling as well [s].
 START_DEADLINE = 60.0
 #: Pause between two looks at a condition [s].
@@ -188,6 +188,7 @@ class Probe:
         wait_until(
             lambda: publisher.get_subscription_count() >= subscribers,
             f"{subscribers} subscribers of {topic}",
+            START_DEADLINE,
         )
         return publisher
 
@@ -195,7 +196,7 @@ class Probe:
         """Return the response of a service."""
         client = self.node.create_client(kind, service)
         try:
-            wait_until(client.service_is_ready, f"the service {service}", timeout)
+            wait_until(client.service_is_ready, f"the service {service}", START_DEADLINE)
             return self.result_of(client.call_async(request), f"a response of {service}", timeout)
         finally:
             self.run(lambda: self.node.destroy_client(client))
@@ -203,7 +204,7 @@ class Probe:
     def action_client(self, kind: type[Any], action: str) -> ActionClient:
         """Return a client of an action once its server is there."""
         client = ActionClient(self.node, kind, action)
-        wait_until(client.server_is_ready, f"the action {action}")
+        wait_until(client.server_is_ready, f"the action {action}", START_DEADLINE)
         return client
 
     def send_goal(

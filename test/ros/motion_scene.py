@@ -17,7 +17,7 @@ from rclpy.action import ActionClient, ActionServer
 from rclpy.action.client import ClientGoalHandle
 
 from fuzzy_map_building.ros import names, qos
-from ros.harness import NodeProcess, Probe, Received, wait_until
+from ros.harness import START_DEADLINE, NodeProcess, Probe, Received, wait_until
 from ros.motion_fakes import FRAMES, FakeMapper, FakePlanner, FakeRobot
 
 RESULT = Navigate.Result
@@ -56,7 +56,9 @@ class Scene:
         self._handles: list[ClientGoalHandle] = []
         self._client = probe.action_client(Navigate, names.NAVIGATE)
         # From here on the node hears the poses: it complains as long as it does not.
-        self.diagnostics.wait_for(lambda array: "nothing comes" not in array.status[0].message)
+        self.diagnostics.wait_for(
+            lambda array: "nothing comes" not in array.status[0].message, START_DEADLINE
+        )
 
     def reset(self) -> None:
         """Make a new start: nobody has a goal, and every partner does what it should."""

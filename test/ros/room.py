@@ -14,7 +14,7 @@ from std_srvs.srv import Trigger
 
 from fuzzy_map_building.ros import names, qos
 from fuzzy_map_building.ros.clock import seconds_from_stamp
-from ros.harness import Probe
+from ros.harness import START_DEADLINE, Probe
 
 #: A room of 4 x 3 m in which a crate stands until the first perception has been taken.
 ROOM = """
@@ -47,7 +47,7 @@ class Robot:
         self.probe = probe
         self.pose = probe.subscribe(PoseStamped, names.POSE, qos.RELIABLE)
         self.diagnostics = probe.subscribe(DiagnosticArray, names.DIAGNOSTICS, qos.RELIABLE)
-        self.pose.wait_for()
+        self.pose.wait_for(timeout=START_DEADLINE)
 
     @property
     def time(self) -> float:

@@ -25,7 +25,7 @@ from fuzzy_map_building.ros import names, qos
 from fuzzy_map_building.ros.clock import create_steady_timer
 from fuzzy_map_building.types import Pose2
 from ros.fake_robot import FakeRobot
-from ros.harness import NodeProcess, Probe, wait_until
+from ros.harness import START_DEADLINE, NodeProcess, Probe, wait_until
 from ros.motion_scene import PARAMETERS, Scene
 from ros.planner_driver import Driver, map_message, request, world
 from ros.room import Answering, write_room
@@ -40,7 +40,7 @@ def busy_mapper(probe: Probe, start_node: Start, folder: Path, later: int) -> No
     mapper = start_node("mapper", parameters={"mode": "continuous", "packet_size": 16})
     maps = probe.subscribe(OccupancyGrid, names.MOTION_MAP, qos.LATCHED)
     FakeRobot(probe, Pose2(3.0, 3.0), lambda sensor, angle: 1.0 + 0.1 * sensor)
-    wait_until(lambda: len(maps) > 20 + later, "the maps of many packets")
+    wait_until(lambda: len(maps) > 20 + later, "the maps of many packets", START_DEADLINE)
     return mapper
 
 

@@ -70,9 +70,8 @@ def module_probe() -> Iterator[Probe]:
 @pytest.fixture(scope="module")
 def mapper(tmp_path_factory: pytest.TempPathFactory) -> Iterator[NodeProcess]:
     log = tmp_path_factory.mktemp("mapper") / "mapper.log"
-    # Where the machine holds somebody up, poses and readings come late or with gaps.
-    patient = ["turret.timeout", "perception.timeout"]
-    patient += ["perception.pose_timeout", "perception.max_pose_gap"]
+    # Where the machine holds somebody up, readings come late, and poses with gaps.
+    patient = ["turret.timeout", "perception.timeout", "perception.max_pose_gap"]
     process = NodeProcess("mapper", log, parameters=dict.fromkeys(patient, LONG))
     process.wait_for_output("mapping")
     yield process

@@ -33,7 +33,7 @@ def test_maps_of_another_time_are_refused_and_counted(
     planner = Driver(probe, start_node("planner"))
     planner.give_and_wait(map_message(world(), stamp=1000))
     before = planner.counts()
-    planner.give(map_message(world(), stamp=900))
+    planner.give(map_message(world(), stamp=800))
     planner.wait_for_counts(before, {"rejected.planning_map.outdated": 1})
     planner.give(map_message(world(), stamp=2**31 - 1))
     planner.wait_for_counts(before, {"rejected.planning_map.future": 1})
