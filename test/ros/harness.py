@@ -45,7 +45,7 @@ T = TypeVar("T")
 #: Longest wait for anything that takes a fraction of a second on a machine without load [s].
 DEADLINE = 30.0
 #: Longest wait for a process to come up, on a machine that is busy compiling as well [s].
-START_DEADLINE = 60.0
+START_DEADLINE = 90.0
 #: Pause between two looks at a condition [s].
 POLL = 0.01
 

@@ -92,7 +92,7 @@ class Scene:
 
     def result(self, handle: Any) -> Any:
         """Return status and result of a goal."""
-        return self.probe.result_of(handle.get_result_async(), "a verdict", 30.0)
+        return self.probe.result_of(handle.get_result_async(), "a verdict", 60.0)
 
     def go(self, x: float, y: float) -> Any:
         """Send a goal and wait until the robot drives."""
