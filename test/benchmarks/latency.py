@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """How long a packet and a plan take in the laboratory.
 
-``python test/benchmarks/latency.py [--repeats N]`` runs the laboratory's mission once, then fuses
-each of its packets and plans from each of its perceptions again, and prints medians.
+``python test/benchmarks/latency.py [--repeats N] [--preset NAME]`` runs the laboratory's mission
+once, then fuses each of its packets and plans from each of its perceptions again, and prints
+medians.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy_map_building.mapper import FuzzyMapper, UpdateReport
+from fuzzy_map_building.params import DEFAULT_PRESET
 from fuzzy_map_building.types import Pose2, RangeReading
 from fuzzy_navigation.planner import Planner
 from nomad_sim.headless import HeadlessMission
@@ -48,8 +50,10 @@ def main(argv: Sequence[str] | None = None) -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description="Time of a packet and of a plan.")
     parser.add_argument("--repeats", type=int, default=20, help="repetitions of the mission")
-    repeats = parser.parse_args(argv).repeats
-    run = HeadlessMission("lab", seed=1)
+    parser.add_argument("--preset", default=DEFAULT_PRESET, help="rules of mapper and planner")
+    options = parser.parse_args(argv)
+    repeats = options.repeats
+    run = HeadlessMission("lab", seed=1, preset=options.preset)
     recorder = Recorder(run.mapper.geometry, run.mapper.parameters)
     recorder.packets = []
     run.mapper = recorder
@@ -65,7 +69,8 @@ def main(argv: Sequence[str] | None = None) -> None:
         planner.plan(pose, run.goal)
 
     plans = milliseconds([lambda m=m: plan(*m) for m in maps], repeats)
-    for name, times in (("packet of 48 readings", packets), ("map and plan", plans)):
+    readings = round(statistics.mean(map(len, recorder.packets)))
+    for name, times in ((f"packet of {readings} readings", packets), ("map and plan", plans)):
         rank = sorted(times)
         print(
             f"{name:22s} median {statistics.median(times):6.2f} ms, "
