@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
 from fuzzy_map_building.grid import GridGeometry
-from fuzzy_map_building.types import InfraredReading, Pose2
+from fuzzy_map_building.types import InfraredReading, Pose2, SonarReading
 from fuzzy_navigation.mission import Mission
 from fuzzy_navigation.mission_types import Commands, Drive, Finish, Perceive, Phase, Plan
 from fuzzy_navigation.params import MotionParameters, motion_parameters
@@ -23,16 +23,19 @@ STAND = Drive(0.0, 0.0)
 class AnyEvents(RuleBasedStateMachine):
     """Poses, maps, answers true and stale, goals, cancellations, silence, in any order."""
 
+    preset = "oriolo1998"
+
     def __init__(self) -> None:
         super().__init__()
         self.parameters: MotionParameters = motion_parameters(
-            overrides={
+            self.preset,
+            {
                 "livelock_limit": 2,
                 "perception_cap": 4,
                 "timeout.lost": 2.0,
                 "timeout.plan": 2.0,
                 "timeout.build_map": 2.0,
-            }
+            },
         )
         self.mission = Mission(self.parameters)
         self.now = 1000.0
@@ -53,6 +56,8 @@ class AnyEvents(RuleBasedStateMachine):
                 assert command.duration >= 0.0
                 self.finished.append(command.mission)
             elif isinstance(command, Perceive | Plan):
+                if isinstance(command, Plan):
+                    assert np.isfinite(np.reshape(command.hits, (-1, 2))).all()
                 assert command.request == self.request + 1
                 self.request = command.request
         for drive in drives:
@@ -88,7 +93,9 @@ class AnyEvents(RuleBasedStateMachine):
                 InfraredReading(pose, k * math.pi / 8.0, distance, self.now, k)
                 for k in range(sensors)
             ]
-            self.take(self.mission.on_pose(self.now, pose, readings), pose=True)
+            echo = {"near": 0.2, "faulty": math.nan, "some": -math.inf}.get(ranges, math.inf)
+            echoes = [SonarReading(pose, 0.0, echo, self.now, 0)]
+            self.take(self.mission.on_pose(self.now, pose, readings, echoes), pose=True)
 
     @rule(seconds=st.sampled_from([0.1, 0.1, 0.6, 1.5, -2.0]))
     def silence(self, seconds: float) -> None:
@@ -189,5 +196,13 @@ class AnyEvents(RuleBasedStateMachine):
         self.each_mission_ends_once()
 
 
+class AnyEventsConsistent(AnyEvents):
+    """The same with layer, sub-cell targets and sonar guard."""
+
+    preset = "consistent"
+
+
 TestAnyEvents = AnyEvents.TestCase
 TestAnyEvents.settings = settings(max_examples=100, stateful_step_count=40)
+TestAnyEventsConsistent = AnyEventsConsistent.TestCase
+TestAnyEventsConsistent.settings = settings(max_examples=50, stateful_step_count=40)
