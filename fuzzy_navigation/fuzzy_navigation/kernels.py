@@ -127,7 +127,7 @@ def best_first(
     fineness: float,
     begin: IntArray,
     steps: IntArray,
-    offsets: IntArray,
+    moves: IntArray,
     state: NDArray[np.int8],
     cost: FloatArray,
     length: Int32Array | IntArray,
@@ -178,8 +178,8 @@ def best_first(
     begin, steps : ndarray of int64, shapes (10,) and (any,)
         Steps worth trying from a cell, by the state of the cell: those of state s are
         ``steps[begin[s]:begin[s + 1]]``.
-    offsets : ndarray of int64, shape (8,)
-        What each step adds to an index.
+    moves : ndarray of int64, shape (24,)
+        What each step adds to an index, then its rows, then its columns.
     state, cost, length : ndarray, shape (cells,)
         State, cost and length of the best path known to each cell; cost and length count
         where the state is neither 0 nor `BLOCKED`.
@@ -279,7 +279,7 @@ def best_first(
         column = cell - row * width
         for i in range(begin[arrival], begin[arrival + 1]):
             step = steps[i] & 7
-            neighbour = (cell + offsets[step]) & _INDEX
+            neighbour = (cell + moves[step]) & _INDEX
             known = state[neighbour]
             if known >= CLOSED:
                 continue
@@ -287,7 +287,8 @@ def best_first(
             if weight == np.inf:
                 state[neighbour] = BLOCKED
                 continue
-            row_step, column_step = STEPS[step]
+            row_step = moves[8 + step]
+            column_step = moves[16 + step]
             if step >= 4 and not corner_cutting:
                 above = (cell + row_step * width) & _INDEX
                 beside = (cell + column_step) & _INDEX

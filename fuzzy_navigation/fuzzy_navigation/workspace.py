@@ -101,12 +101,13 @@ class Workspace:
         # every kind cost the same, that holds for all cells that both touch.
         everywhere = field.bottleneck or diagonal == 1.0
         begin, steps = _steps(adjacency, everywhere and corner_cutting)
-        offsets = np.array([row * width + column for row, column in kernels.STEPS])
+        rows, columns = np.array(kernels.STEPS).T
+        moves = np.concatenate([rows * width + columns, rows, columns])
         most = field.cells.size if limit is None else limit
         request = (width, target, most, adjacency, diagonal, corner_cutting, field.bottleneck)
         try:
             while True:
-                cells = (begin, steps, offsets, self._state, self._cost, self._length, buckets)
+                cells = (begin, steps, moves, self._state, self._cost, self._length, buckets)
                 arrays: list[Any] = [_fast(a) for a in (*cells, *self._entries(), control)]
                 if kernels.best_first(
                     _fast(flat),
