@@ -118,6 +118,7 @@ class FakeMapper:
 
     def __init__(self, probe: Probe, robot: FakeRobot, serves: bool = True) -> None:
         self._robot = robot
+        self._probe = probe
         self.map_stamp = 0.0
         self.recover()
         self._maps = probe.node.create_publisher(OccupancyGrid, names.MOTION_MAP, qos.LATCHED)
@@ -147,7 +148,7 @@ class FakeMapper:
 
     def leave(self) -> None:
         """Serve no more, without a word."""
-        self._server.destroy()
+        self._probe.run(self._server.destroy)
 
     def publish(self) -> None:
         """Publish the map with the stamp of now."""

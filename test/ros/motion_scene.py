@@ -78,7 +78,7 @@ class Scene:
         """End the actions: destroying the node would leave them for others to find."""
         for waitable in tuple(self.probe.node.waitables):
             if isinstance(waitable, (ActionServer, ActionClient)):
-                waitable.destroy()
+                self.probe.run(waitable.destroy)
 
     def send(self, goal: PoseStamped, tolerance: float = 0.0) -> Any:
         """Send a goal and return its handle."""
