@@ -123,12 +123,11 @@ class Workspace:
             path = np.empty((0, 2), np.int64)
             if kernels.CLOSED < self._state[target] < kernels.BLOCKED:
                 path = kernels.trace(self._state, width, origin, target)
-        finally:
-            touched = slice(
-                max(0, int(control[kernels.LOWEST]) - width - 1),
-                int(control[kernels.HIGHEST]) + width + 2,
-            )
-            self._state[touched] = 0
+        except BaseException:  # nobody knows what was touched
+            self._state[:] = 0
+            raise
+        lowest, highest = int(control[kernels.LOWEST]), int(control[kernels.HIGHEST])
+        self._state[max(0, lowest - width - 1) : highest + width + 2] = 0
         return path, int(control[kernels.EXPANDED])
 
     def _fit(self, cells: int) -> None:

@@ -260,6 +260,23 @@ def test_a_workspace_serves_any_number_of_searches():
     assert found > 8
 
 
+def test_a_search_that_is_broken_off_leaves_nothing_behind(monkeypatch):
+    workspace = Workspace()
+    risk = np.random.default_rng(8).random((30, 30)).round(2)
+    whole = find_path(risk, (0, 0), (29, 29), alpha=1.0, workspace=workspace)
+
+    def interrupted(*arguments):
+        workspace._state[100:900] = kernels.CLOSED + 1
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as broken:
+        broken.setattr(kernels, "best_first", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            find_path(risk, (0, 0), (29, 29), alpha=1.0, workspace=workspace)
+    again = find_path(risk, (0, 0), (29, 29), alpha=1.0, workspace=workspace)
+    assert again.path.tolist() == whole.path.tolist()
+
+
 def test_memory_of_a_search():
     """Bytes a cell beside the map: state, cost, length, and what the open cells need."""
     workspace = Workspace()
