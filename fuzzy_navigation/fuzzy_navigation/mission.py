@@ -378,7 +378,7 @@ class Mission:
             return self._finish(verdict)
         self._record.stopped(self._motion.stopped, self._motion.came_on)
         assert self._area is not None
-        hits, ahead = self._around.known(self._time.clock), self._motion.next_point
+        hits, ahead = self._around.near(self._time.clock, self._here), self._motion.next_point
         self._refused.take_note(self._record, hits, ahead, self._area.geometry)
         verdict = verdicts.stalemate(self._record, self._here, self._p)
         return self._finish(verdict) if verdict else self._perceive()

@@ -20,6 +20,9 @@ __all__ = ["Surroundings"]
 
 Points = NDArray[np.float64]
 
+#: Remembered points farther from the robot than this did not stop it [m].
+NEAR = 0.5
+
 _Phase = Enum("_Phase", ["IDLE", "STANDING", "MOVING"])
 
 
@@ -120,6 +123,12 @@ class Surroundings:
     def known(self, now: float) -> Points:
         """Return all hit points (x, y) [m] to keep clear of, shape (n, 2)."""
         return np.vstack([self.seen(now), self.remembered])
+
+    def near(self, now: float, pose: Pose2) -> Points:
+        """Return the hit points (x, y) [m] that may have stopped the robot, shape (n, 2)."""
+        remembered = self.remembered
+        near = np.hypot(remembered[:, 0] - pose.x, remembered[:, 1] - pose.y) <= NEAR
+        return np.vstack([self.seen(now), remembered[near]])
 
     def suspected(self, now: float) -> Points:
         """Return points (x, y) [m] that sonars hear and infrareds do not see, shape (n, 2).

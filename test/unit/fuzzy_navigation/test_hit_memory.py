@@ -129,6 +129,16 @@ class TestSurroundings:
         here.begin_perception()
         assert here.remembered.shape == (0, 2)
 
+    def test_what_may_have_stopped_it_is_near_or_seen_now(self) -> None:
+        here = around(**LAYER)
+        here.begin_perception()
+        here.update(1.0, Pose2(1.0, 2.0), ring(1.0, 1.0, s0=0.5, s8=0.2), [])
+        here.end_perception()
+        here.update(2.0, Pose2(1.3, 2.0), ring(1.3, 2.0, s4=0.5), [])
+        # Ahead at 1.73, remembered; behind at 0.57, too far; beside at 2.73, seen now.
+        near = here.near(2.0, Pose2(1.3, 2.0))
+        assert as_set(near) == {(1.73, 2.0), (1.3, 2.73)}
+
     def test_at_rest_nothing_is_remembered(self) -> None:
         here = around(**LAYER, **GUARD)
         here.begin_perception()
