@@ -68,9 +68,9 @@ def rooms(size: int) -> Case:
     for side in range(pitch // 2, size, pitch):
         for wall in range(pitch, size, pitch):
             first, second = side + rng.integers(-33, 33, 2)
-            if rng.random() < 0.85:
+            if rng.random() < 0.95:
                 free[wall, first : first + 8] = True
-            if rng.random() < 0.85:
+            if rng.random() < 0.95:
                 free[second : second + 8, wall] = True
     near = np.clip(0.55 - 0.05 * ndimage.distance_transform_cdt(free), 0.0, 1.0)
     risk = np.where(free, near + 0.05 * rng.random((size, size)), 1.0)
