@@ -145,7 +145,7 @@ def test_a_wrong_verdict_is_no_success(
     demo: Callable[..., NodeProcess], room: Path, tmp_path: Path
 ) -> None:
     room.write_text(ROOM.format(expected="unreachable"))
-    process = demo("--world", room, "--no-lockstep", "--rate", 4)
+    process = demo("--world", room, "--no-lockstep", "--rate", 1)
     assert process.wait(LONG) == 1, process.output()
     assert "REACHED (true: unreachable)" in process.output()
     assert json.loads((tmp_path / "out" / "summary.json").read_text())["success"] is False

@@ -78,8 +78,14 @@ def test_a_tick_tells_what_the_core_measures(probe: Probe, start_node: Start, ro
 
     assert len(ticks) > 50
     assert [stamp(m) for m in poses.messages if stamp(m) >= first - 1e-6] == pytest.approx(ticks)
-    assert of(infrared, "infrared_", first) == pytest.approx(infrareds, rel=1e-6)
-    assert of(sonar, "sonar_", first + 1e-6) == pytest.approx(sonars, rel=1e-6)
+    # Ranges go out as best effort, a busy machine loses some: what came is what was measured.
+    for came, measured in (
+        (of(infrared, "infrared_", first), infrareds),
+        (of(sonar, "sonar_", first + 1e-6), sonars),
+    ):
+        assert came == pytest.approx({key: measured[key] for key in came}, rel=1e-6)
+        assert {sensor for _, sensor in came} == set(range(16))
+    assert len(infrareds) == 16 * len(ticks)
     assert len(sonars) >= 5 * len(ticks) - 8
     for message in (poses.last.pose, truth.last.pose):
         assert (message.position.x, message.position.y) == pytest.approx((1.3, 1.1))
