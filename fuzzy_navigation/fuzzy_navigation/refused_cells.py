@@ -68,6 +68,8 @@ class RefusedCells:
     def release(self) -> bool:
         """Give all cells free once a mission, for what was in the way may have gone.
 
+        Earlier visits count no more, either: they may have been to somebody who stood there.
+
         Returns
         -------
         bool
@@ -76,6 +78,7 @@ class RefusedCells:
         useful = bool(self._until) and not self._released
         self._released = True
         self._until.clear()
+        self._visits.clear()
         return useful
 
     def take_note(

@@ -134,6 +134,18 @@ def test_gives_free_once_a_mission():
     assert memory.release()
 
 
+def test_what_is_given_free_is_judged_anew():
+    memory = RefusedCells(20, KEEP_OUT, 0.6)
+    for perception in (10, 20, 30):
+        memory.add_unexplored(perception, CELL, 0.6, 0, GEOMETRY)
+    assert memory.release()
+    for perception in (40, 50):
+        memory.add_unexplored(perception, CELL, 0.6, 0, GEOMETRY)
+        assert memory.barred(perception) == ()
+    memory.add_unexplored(60, CELL, 0.6, 0, GEOMETRY)
+    assert times(memory, CELL, 60) == UNEXPLORED_MEMORY
+
+
 class TestPlanner:
     """The planner's side: positions that no path may enter."""
 
