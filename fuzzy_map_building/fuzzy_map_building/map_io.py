@@ -136,7 +136,6 @@ def load_map(path: str | Path) -> MapState:
         zlib.error,
         # zipfile: encrypted members and unknown compression; json: too deep.
         RuntimeError,
-        NotImplementedError,
         # A truncated or nonsensical member.
         EOFError,
         OverflowError,

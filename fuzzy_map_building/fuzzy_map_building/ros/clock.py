@@ -9,8 +9,9 @@ from collections.abc import Callable
 from typing import Final
 
 from builtin_interfaces.msg import Time
-from rclpy.clock import Clock
+from rclpy.clock import Clock, JumpHandle, JumpThreshold, TimeJump
 from rclpy.clock_type import ClockType
+from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.timer import Timer
 
@@ -19,11 +20,14 @@ __all__ = [
     "StallWatch",
     "create_steady_timer",
     "now_seconds",
+    "on_clock_set_back",
     "seconds_from_stamp",
     "stamp_from_seconds",
 ]
 
 _NANOSECONDS = 1_000_000_000
+#: A clock that goes back by more than this [s] was set back; less is jitter on the network.
+_SET_BACK: Final = 0.5
 
 
 def now_seconds(node: Node) -> float:
@@ -50,6 +54,27 @@ def stamp_from_seconds(seconds: float) -> Time:
     # The product of the whole time would lose the nanoseconds of a wall clock.
     carry, nanoseconds = divmod(round((seconds - whole) * _NANOSECONDS), _NANOSECONDS)
     return Time(sec=whole + carry, nanosec=nanoseconds)
+
+
+def on_clock_set_back(node: Node, callback: Callable[[TimeJump], None]) -> JumpHandle:
+    """Call back whenever the node's clock was set back.
+
+    Parameters
+    ----------
+    node : Node
+        Whose clock.
+    callback : callable
+        Takes the jump.
+
+    Returns
+    -------
+    JumpHandle
+        To be kept; ``unregister`` ends it.
+    """
+    threshold = JumpThreshold(
+        min_forward=None, min_backward=Duration(seconds=-_SET_BACK), on_clock_change=False
+    )
+    return node.get_clock().create_jump_callback(threshold, post_callback=callback)
 
 
 def create_steady_timer(node: Node, period: float, callback: Callable[[], None]) -> Timer:

@@ -16,8 +16,7 @@ from typing import Final
 
 from fuzzy_msgs.srv import MapFile
 from geometry_msgs.msg import PoseStamped
-from rclpy.clock import JumpThreshold, TimeJump
-from rclpy.duration import Duration
+from rclpy.clock import TimeJump
 from rclpy.node import Node
 from sensor_msgs.msg import JointState, Range
 from std_msgs.msg import Float64
@@ -36,7 +35,7 @@ from fuzzy_map_building.params import (
 from fuzzy_map_building.perception import PerceptionSequence
 from fuzzy_map_building.ros import conversions, names, qos
 from fuzzy_map_building.ros.build_map_server import BuildMapServer, FusedPacket
-from fuzzy_map_building.ros.clock import create_steady_timer, now_seconds
+from fuzzy_map_building.ros.clock import create_steady_timer, now_seconds, on_clock_set_back
 from fuzzy_map_building.ros.conversions import Refused
 from fuzzy_map_building.ros.diagnostics import Diagnostics
 from fuzzy_map_building.ros.files import file_to_read, file_to_write
@@ -49,8 +48,6 @@ __all__ = ["MapperNode", "main"]
 
 #: Wall time between two looks at what waits when no message comes [s].
 TICK: Final = 0.05
-#: A clock that goes back by more than this [s] was reset; less is jitter on the network.
-CLOCK_RESET: Final = 0.5
 
 #: What a word counted by the core means, for the log.
 EXPLANATIONS: Final[Mapping[str, str]] = {
@@ -109,14 +106,7 @@ class MapperNode(Node):
         self.create_service(MapFile, names.SAVE_MAP, self._on_save, qos_profile=qos.REQUESTS)
         self.create_service(MapFile, names.LOAD_MAP, self._on_load, qos_profile=qos.REQUESTS)
         create_steady_timer(self, TICK, self._advance)
-        self._jump = self.get_clock().create_jump_callback(
-            JumpThreshold(
-                min_forward=None,
-                min_backward=Duration(seconds=-CLOCK_RESET),
-                on_clock_change=False,
-            ),
-            post_callback=self._on_clock_reset,
-        )
+        self._jump = on_clock_set_back(self, self._on_clock_reset)
         self.get_logger().info(
             f"mapping {p.area.size_x:g} x {p.area.size_y:g} m in cells of "
             f"{p.area.resolution:g} m, {len(p.sonar.frame_ids)} sonars, mode {p.mode}"

@@ -4,17 +4,13 @@
 
 from __future__ import annotations
 
-from typing import Final
-
-from rclpy.clock import JumpThreshold
-from rclpy.duration import Duration
 from rclpy.node import Node
 from sensor_msgs.msg import JointState, Range
 
 from fuzzy_map_building.packet import ReadingAssembler
 from fuzzy_map_building.params import MapperParameters
 from fuzzy_map_building.ros import names, qos
-from fuzzy_map_building.ros.clock import now_seconds
+from fuzzy_map_building.ros.clock import now_seconds, on_clock_set_back
 from fuzzy_map_building.ros.conversions import Refused, joint_position, range_from_msg
 from fuzzy_map_building.ros.diagnostics import Diagnostics
 from fuzzy_map_building.types import Pose2, SonarReading
@@ -22,9 +18,6 @@ from fuzzy_navigation.params import MotionParameters
 from fuzzy_navigation.ros.backlog import take_waiting
 
 __all__ = ["EchoListener"]
-
-#: A clock that goes back by more than this [s] was set back; less is jitter on the network.
-CLOCK_RESET: Final = 0.5
 
 
 class EchoListener:
@@ -57,14 +50,7 @@ class EchoListener:
             )
 
         # What waits then is of another time.
-        self._jump = node.get_clock().create_jump_callback(
-            JumpThreshold(
-                min_forward=None,
-                min_backward=Duration(seconds=-CLOCK_RESET),
-                on_clock_change=False,
-            ),
-            post_callback=lambda _: self._assembler.clear(),
-        )
+        self._jump = on_clock_set_back(node, lambda _: self._assembler.clear())
 
     def close(self) -> None:
         """Hear nothing any more."""

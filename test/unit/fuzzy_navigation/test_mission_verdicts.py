@@ -147,6 +147,13 @@ def test_what_stopped_it_is_kept_from_the_planner_until_nothing_else_is_left() -
     assert (finish.outcome, finish.message) == (Outcome.UNREACHABLE, "no way round")
 
 
+def test_a_risky_cell_under_the_body_does_not_hold_the_robot() -> None:
+    script = Script()
+    script.risk[20, 11] = 1.0  # (1.15, 2.05) m, the robot at (1.05, 2.05)
+    script.set_out(GOAL)
+    assert finish_of(script.run()).outcome is Outcome.REACHED
+
+
 def test_a_cell_that_stays_unexplored_before_it_is_kept_from_the_planner() -> None:
     script = Script()
     script.risk[:, 20:] = 1.0

@@ -134,6 +134,15 @@ def test_gives_free_once_a_mission():
     assert memory.release()
 
 
+def test_visits_on_free_and_on_risky_paths_are_counted_apart():
+    memory = RefusedCells(20, KEEP_OUT, 0.6)
+    for perception, alpha in ((10, 0.6), (20, 0.8), (30, 0.6), (40, 0.8)):
+        memory.add_unexplored(perception, CELL, alpha, 0, GEOMETRY)
+        assert memory.barred(perception) == ()
+    memory.add_unexplored(50, CELL, 0.6, 0, GEOMETRY)
+    assert memory.barred(50) == (CELL,)
+
+
 def test_what_is_given_free_is_judged_anew():
     memory = RefusedCells(20, KEEP_OUT, 0.6)
     for perception in (10, 20, 30):
