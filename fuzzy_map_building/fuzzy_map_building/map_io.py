@@ -11,9 +11,11 @@ memory is taken, and no code can come along (no pickle).
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import secrets
+import struct
 import zipfile
 import zlib
 from collections.abc import Iterator
@@ -36,6 +38,13 @@ _ARRAYS = {"empty": np.float64, "occupied": np.float64, "count": np.int32}
 _MAX_HEADER = 4096
 #: Longest header of an .npy file of these arrays, with room to spare.
 _MAX_ARRAY_HEADER = 1024
+#: The end of a zip archive without comment: signature, numbers of disks and of members, size
+#: and place of the directory, length of the comment.
+_ARCHIVE_END = struct.Struct("<4s4H2LH")
+#: Largest directory of a map file [bytes]; four members need 216.
+_MAX_DIRECTORY = 4096
+#: What stands before the end of an archive with 64-bit sizes, which no map file needs.
+_LOCATOR, _LOCATOR_SIZE = b"PK\x06\x07", 20
 
 
 class MapFileError(ValueError):
@@ -110,8 +119,15 @@ def save_map(path: str | Path, state: MapState) -> None:
                 np.lib.format.write_array(member, getattr(state, name), allow_pickle=False)
 
 
-def load_map(path: str | Path) -> MapState:
+def load_map(path: str | Path, geometry: GridGeometry | None = None) -> MapState:
     """Read a state from a file.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+    geometry : GridGeometry, optional
+        The grid that the state must be of; another one is refused before its arrays are read.
 
     Returns
     -------
@@ -121,12 +137,15 @@ def load_map(path: str | Path) -> MapState:
     Raises
     ------
     MapFileError
-        If the file cannot be read, is no map file, is of a later version, or is damaged.
+        If the file cannot be read, is no map file, is of a later version or another grid, or is
+        damaged.
     """
     path = _checked_path(path)
     try:
-        with zipfile.ZipFile(path) as archive:
-            return _read(archive)
+        with open(path, "rb") as file:
+            _check_directory(file)
+            with zipfile.ZipFile(file) as archive:
+                return _read(archive, geometry)
     except MapFileError as error:
         raise MapFileError(f"cannot load '{path}': {error}") from error
     except OSError as error:
@@ -152,7 +171,19 @@ def _checked_path(path: str | Path) -> Path:
     return Path(path)
 
 
-def _read(archive: zipfile.ZipFile) -> MapState:
+def _check_directory(file: IO[bytes]) -> None:
+    """Refuse what zipfile would read a long directory of: it keeps an object for each member."""
+    size = file.seek(0, os.SEEK_END)
+    file.seek(max(0, size - _ARCHIVE_END.size - _LOCATOR_SIZE))
+    locator, end = (tail := file.read())[: -_ARCHIVE_END.size], tail[-_ARCHIVE_END.size :]
+    if len(end) < _ARCHIVE_END.size or not end.startswith(b"PK\x05\x06"):
+        raise MapFileError("it is no map file, or its end is missing")
+    *_, directory, _, comment = _ARCHIVE_END.unpack(end)
+    if directory > _MAX_DIRECTORY or comment or locator.startswith(_LOCATOR):
+        raise MapFileError("its directory is not that of a map file")
+
+
+def _read(archive: zipfile.ZipFile, wanted: GridGeometry | None) -> MapState:
     members = {info.filename: info for info in archive.infolist()}
     expected = [_HEADER, *(f"{name}.npy" for name in _ARRAYS)]
     if sorted(info.filename for info in archive.infolist()) != sorted(expected):
@@ -163,8 +194,16 @@ def _read(archive: zipfile.ZipFile) -> MapState:
         raise MapFileError(f"its members are compressed by methods {sorted(methods)}, not deflate")
     if members[_HEADER].file_size > _MAX_HEADER:
         raise MapFileError(f"its header has {members[_HEADER].file_size} bytes")
-    header = json.loads(archive.read(_HEADER))
+    with archive.open(_HEADER) as member:
+        # Never without a limit: zipfile then unpacks the whole stream, whatever its size is
+        # said to be, before it cuts.
+        header = json.loads(member.read(_MAX_HEADER + 1))
     geometry = _geometry(header)
+    if wanted is not None and geometry != wanted:
+        raise MapFileError(
+            f"it is of the grid {geometry}, this map of {wanted}; start the mapper with the area "
+            f"and resolution of the saved map"
+        )
     arrays = {
         name: _array(archive, members[f"{name}.npy"], geometry, np.dtype(kind))
         for name, kind in _ARRAYS.items()
@@ -204,15 +243,21 @@ def _array(
     with archive.open(info) as member:
         if np.lib.format.read_magic(member) != (1, 0):
             raise MapFileError(f"{info.filename} is of another version of the array format")
-        shape, fortran, dtype = np.lib.format.read_array_header_1_0(
-            member, max_header_size=_MAX_ARRAY_HEADER
-        )
-        if shape != geometry.shape or fortran or dtype != kind:
-            raise MapFileError(
-                f"{info.filename} holds {dtype} of shape {shape}, its grid needs {kind} of shape "
-                f"{geometry.shape}"
-            )
+        # Compared, not parsed: numpy's parser is one of Python expressions, and raises
+        # whatever that raises.
+        length = int.from_bytes(member.read(2), "little")
+        found = member.read(min(length, _MAX_ARRAY_HEADER))
+        if found.rstrip() != (needed := _array_header(geometry, kind)):
+            raise MapFileError(f"{info.filename} holds {found[:100]!r}, its grid needs {needed!r}")
         data = bytearray(member.read(size))
         if len(data) != size or member.read(1):
             raise MapFileError(f"{info.filename} does not end where it should")
     return np.frombuffer(data, dtype=kind).reshape(geometry.shape)
+
+
+def _array_header(geometry: GridGeometry, kind: np.dtype[Any]) -> bytes:
+    """Return what describes an array in its .npy file, without the padding."""
+    file = io.BytesIO()
+    description = {"descr": kind.str, "fortran_order": False, "shape": geometry.shape}
+    np.lib.format.write_array_header_1_0(file, description)
+    return file.getvalue()[10:].rstrip()  # after magic, version and length

@@ -210,6 +210,12 @@ class MapperParameters:
         maximum=100_000,
         source="Oriolo 1998, section III-A",
     )
+    map_folder: str = parameter(
+        "~/.ros/maps",
+        doc="the one folder that save_map and load_map work in, ~ being the user's home; made "
+        "when the first map is saved; empty: no map is saved or loaded",
+        read_only=True,
+    )
     sonar: SonarParameters = field(default_factory=SonarParameters)
     infrared: InfraredParameters = field(default_factory=InfraredParameters)
     evidence: EvidenceParameters = field(default_factory=EvidenceParameters)
@@ -225,6 +231,8 @@ class MapperParameters:
 
     def __post_init__(self) -> None:
         validate(self)
+        if "\0" in self.map_folder:
+            raise ParameterError("parameter 'map_folder' must be the name of a folder")
 
 
 def mapper_parameters(

@@ -68,11 +68,17 @@ def module_probe() -> Iterator[Probe]:
 
 
 @pytest.fixture(scope="module")
-def mapper(tmp_path_factory: pytest.TempPathFactory) -> Iterator[NodeProcess]:
+def map_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("maps")
+
+
+@pytest.fixture(scope="module")
+def mapper(tmp_path_factory: pytest.TempPathFactory, map_folder: Path) -> Iterator[NodeProcess]:
     log = tmp_path_factory.mktemp("mapper") / "mapper.log"
     # Where the machine holds somebody up, readings come late, and poses with gaps.
     patient = ["turret.timeout", "perception.timeout", "perception.max_pose_gap"]
-    process = NodeProcess("mapper", log, parameters=dict.fromkeys(patient, LONG))
+    parameters = {"map_folder": str(map_folder), **dict.fromkeys(patient, LONG)}
+    process = NodeProcess("mapper", log, parameters=parameters)
     process.wait_for_output("mapping")
     yield process
     process.close()
@@ -270,31 +276,37 @@ def test_save_restart_and_load_restore_the_exact_state(
     robot: FakeRobot,
     build_map: ActionClient,
     mapper: NodeProcess,
+    map_folder: Path,
     tmp_path: Path,
 ) -> None:
     perceive(module_probe, build_map)
     perceive(module_probe, build_map)
     before = motion_map(module_probe)
-    path = str(tmp_path / "lab.fuzzy")
-    answer = module_probe.call(MapFile, names.SAVE_MAP, MapFile.Request(path=path))
+    name = "lab.fuzzy"
+    answer = module_probe.call(MapFile, names.SAVE_MAP, MapFile.Request(path=name))
     assert answer.success, answer.message
-    assert answer.message == f"2 perceptions saved to {path}"
-    saved = load_map(path)
+    assert answer.message == f"2 perceptions saved to {map_folder / name}"
+    saved = load_map(map_folder / name)
     core = expected_map()
     np.testing.assert_allclose(saved.empty, core.empty, atol=1e-9)  # mean of twice the same
     np.testing.assert_array_equal(saved.count, 2 * core.count)
     assert saved.perceptions == 2
 
     # Another process, which knows nothing of the first.
-    other = NodeProcess("mapper", tmp_path / "other.log", remap={"__ns": "/other"})
+    other = NodeProcess(
+        "mapper",
+        tmp_path / "other.log",
+        parameters={"map_folder": str(map_folder)},
+        remap={"__ns": "/other"},
+    )
     try:
-        answer = module_probe.call(MapFile, "other/load_map", MapFile.Request(path=path))
+        answer = module_probe.call(MapFile, "other/load_map", MapFile.Request(path=name))
         assert answer.success, answer.message
         message = module_probe.call(GetMap, "other/motion_map/get", GetMap.Request()).map
         np.testing.assert_array_equal(grid_from_msg(message)[1], before)
-        again = str(tmp_path / "again.fuzzy")
-        assert module_probe.call(MapFile, "other/save_map", MapFile.Request(path=again)).success
-        loaded = load_map(again)
+        again = MapFile.Request(path="again.fuzzy")
+        assert module_probe.call(MapFile, "other/save_map", again).success
+        loaded = load_map(map_folder / again.path)
         for name in ("empty", "occupied", "count"):
             np.testing.assert_array_equal(getattr(loaded, name), getattr(saved, name))
         assert loaded.perceptions == saved.perceptions
@@ -304,35 +316,42 @@ def test_save_restart_and_load_restore_the_exact_state(
 
 
 def test_files_that_are_refused_leave_the_map(
-    module_probe: Probe, robot: FakeRobot, build_map: ActionClient, tmp_path: Path
+    module_probe: Probe, robot: FakeRobot, build_map: ActionClient, map_folder: Path
 ) -> None:
     perceive(module_probe, build_map)
     before = motion_map(module_probe)
-    junk = tmp_path / "junk"
-    junk.write_bytes(b"PK\x03\x04 no map at all")
-    pipe = tmp_path / "pipe"
-    os.mkfifo(pipe)
-    geometry = GridGeometry(3, 2, 0.1)
-    other = tmp_path / "other_grid"
-    save_map(other, FuzzyMapper(geometry).state())
-    for service, path in (
-        (names.SAVE_MAP, ""),
-        (names.SAVE_MAP, str(tmp_path)),
-        (names.SAVE_MAP, str(tmp_path / "absent" / "map")),
-        (names.LOAD_MAP, ""),
-        (names.LOAD_MAP, str(tmp_path)),
-        (names.LOAD_MAP, str(tmp_path / "absent")),
-        (names.LOAD_MAP, str(junk)),
-        (names.LOAD_MAP, "/dev/zero"),
-        (names.LOAD_MAP, str(other)),
-        # Opening a pipe would wait for ever for who writes to it.
-        (names.LOAD_MAP, str(pipe)),
-        (names.SAVE_MAP, str(pipe)),
-        (names.SAVE_MAP, str(tmp_path / ("long" * 100))),
+    (map_folder / "junk").write_bytes(b"PK\x03\x04 no map at all")
+    # Opening a pipe would wait for ever for who writes to it.
+    os.mkfifo(map_folder / "pipe")
+    (map_folder / "folder").mkdir()
+    save_map(map_folder / "other_grid", FuzzyMapper(GridGeometry(3, 2, 0.1)).state())
+    (map_folder / "link").symlink_to(map_folder.parent)
+    outside = map_folder.parent / "outside"
+    save_map(outside, expected_map().state())
+    there = sorted(path.name for path in map_folder.parent.rglob("*"))
+    for service, names_of_files in (
+        (names.SAVE_MAP, ["absent/map", "long" * 100]),
+        (names.LOAD_MAP, ["absent", "junk", "other_grid"]),
     ):
-        answer = module_probe.call(MapFile, service, MapFile.Request(path=path))
-        assert not answer.success, (service, path)
-        assert len(answer.message) > 10, (service, path, answer.message)
+        # None of these is a file in the map folder.
+        astray = ["", "/dev/zero", "../outside", str(outside), "link/outside", "folder", "pipe"]
+        for name in (*names_of_files, *astray):
+            answer = module_probe.call(MapFile, service, MapFile.Request(path=name))
+            assert not answer.success, (service, name)
+            assert len(answer.message) > 10, (service, name, answer.message)
     np.testing.assert_array_equal(motion_map(module_probe), before)
-    assert pipe.is_fifo()
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["junk", "other_grid", "pipe"]
+    assert (map_folder / "pipe").is_fifo()
+    assert sorted(path.name for path in map_folder.parent.rglob("*")) == there
+
+
+def test_the_map_folder_of_a_running_mapper_stays(
+    module_probe: Probe, mapper: NodeProcess
+) -> None:
+    parameter = Parameter("map_folder", value="/").to_parameter_msg()
+    response = module_probe.call(
+        SetParameters,
+        f"{names.MAPPER_NODE}/set_parameters",
+        SetParameters.Request(parameters=[parameter]),
+    )
+    assert not response.results[0].successful
+    assert "map_folder" in response.results[0].reason

@@ -23,6 +23,7 @@ from std_msgs.msg import Float64
 from std_srvs.srv import Trigger
 
 from fuzzy_map_building.infrared_gathering import InfraredGatherer
+from fuzzy_map_building.map_folder import MapFolder
 from fuzzy_map_building.map_io import load_map, save_map
 from fuzzy_map_building.mapper import FuzzyMapper
 from fuzzy_map_building.packet import ReadingAssembler
@@ -38,7 +39,6 @@ from fuzzy_map_building.ros.build_map_server import BuildMapServer, FusedPacket
 from fuzzy_map_building.ros.clock import create_steady_timer, now_seconds, on_clock_set_back
 from fuzzy_map_building.ros.conversions import Refused
 from fuzzy_map_building.ros.diagnostics import Diagnostics
-from fuzzy_map_building.ros.files import file_to_read, file_to_write
 from fuzzy_map_building.ros.map_publisher import MapPublisher
 from fuzzy_map_building.ros.parameters import declare_parameters
 from fuzzy_map_building.ros.run import spin_node
@@ -83,6 +83,7 @@ class MapperNode(Node):
         self._assembler = ReadingAssembler(p)
         self._gatherer = InfraredGatherer(p)
         self._packet: list[SonarReading] = []
+        self._folder = MapFolder(p.map_folder)
         self._maps = MapPublisher(self, self._mapper)
         self._turret = self.create_publisher(Float64, names.TURRET_COMMAND, qos.RELIABLE)
         self._diagnostics = Diagnostics(self, self._diagnostic_values, self._problem)
@@ -243,7 +244,7 @@ class MapperNode(Node):
 
     def _on_save(self, request: MapFile.Request, response: MapFile.Response) -> MapFile.Response:
         try:
-            file = file_to_write(request.path)
+            file = self._folder.file_to_write(request.path)
             save_map(file, self._mapper.state())
         except (ValueError, OSError) as error:
             return self._refuse(names.SAVE_MAP, response, error)
@@ -253,8 +254,8 @@ class MapperNode(Node):
 
     def _on_load(self, request: MapFile.Request, response: MapFile.Response) -> MapFile.Response:
         try:
-            file = file_to_read(request.path)
-            self._mapper.restore(load_map(file))
+            file = self._folder.file_to_read(request.path)
+            self._mapper.restore(load_map(file, self._mapper.geometry))
         except (ValueError, OSError) as error:
             return self._refuse(names.LOAD_MAP, response, error)
         self._forget_readings()
