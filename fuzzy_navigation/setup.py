@@ -17,7 +17,7 @@ setup(
     ],
     zip_safe=True,
     maintainer="The fuzzy navigation maintainers",
-    maintainer_email="fuzzy-navigation@example.org",
+    maintainer_email="maintainers@example.com",
     description="Plans paths of least risk on fuzzy maps and follows them.",
     license="Apache-2.0",
     extras_require={"test": ["pytest"]},

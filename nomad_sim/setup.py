@@ -18,7 +18,7 @@ setup(
     ],
     zip_safe=True,
     maintainer="The fuzzy navigation maintainers",
-    maintainer_email="fuzzy-navigation@example.org",
+    maintainer_email="maintainers@example.com",
     description="Simulates a NOMAD 200 with sonar ring, turret and infrared sensors.",
     license="Apache-2.0",
     extras_require={"test": ["pytest"], "cluster": ["distributed"]},

@@ -3,12 +3,13 @@
 """What every test stands on: its own corner of the network, repeatable draws, recorded data."""
 
 import contextlib
-import itertools
 import os
 from pathlib import Path
 
 import hypothesis
 import pytest
+
+from nomad_sim.ros.domain import reserved_domain
 
 hypothesis.settings.register_profile("repeatable", derandomize=True, deadline=None)
 hypothesis.settings.load_profile("repeatable")
@@ -25,19 +26,7 @@ def pytest_configure(config: pytest.Config) -> None:
     patch.setenv("MPLBACKEND", "Agg")
     reserved = contextlib.ExitStack()
     config.add_cleanup(reserved.close)
-    patch.setenv("ROS_DOMAIN_ID", str(reserved.enter_context(_domain())))
-
-
-def _domain() -> contextlib.AbstractContextManager[int]:
-    """Reserve a domain (1-100) until the end, so that no other test process here takes it."""
-    # Tried from a place of our own, because processes outside of tests reserve nothing.
-    order = itertools.count(os.getpid())
-    try:
-        from domain_coordinator import domain_id
-    except ImportError:  # only where ROS is not installed: the core's tests still run
-        return contextlib.nullcontext(next(order) % 100 + 1)
-    reservation: contextlib.AbstractContextManager[int] = domain_id(lambda: next(order) % 100 + 1)
-    return reservation
+    patch.setenv("ROS_DOMAIN_ID", str(reserved.enter_context(reserved_domain())))
 
 
 @pytest.fixture(scope="session")

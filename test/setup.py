@@ -14,7 +14,7 @@ setup(
     ],
     zip_safe=True,
     maintainer="The fuzzy navigation maintainers",
-    maintainer_email="fuzzy-navigation@example.org",
+    maintainer_email="maintainers@example.com",
     description="Tests of all packages: units, properties, whole runs, real nodes.",
     license="Apache-2.0",
     extras_require={"test": ["pytest"]},

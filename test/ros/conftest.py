@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from nomad_sim.ros.domain import reserved_domain
 from ros.harness import NodeProcess, Probe
 
 
@@ -19,6 +20,22 @@ def pytest_configure(config: pytest.Config) -> None:
         config.addinivalue_line(
             "filterwarnings", f"ignore:module '{module}' is deprecated:DeprecationWarning"
         )
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Keep what measures waiting times together: where tests run side by side, one at a time."""
+    if config.pluginmanager.hasplugin("xdist"):
+        for item in items:
+            if item.path.is_relative_to(Path(__file__).parent):
+                item.add_marker(pytest.mark.xdist_group("ros"))
+
+
+@pytest.fixture(scope="module", autouse=True)
+def domain() -> Iterator[None]:
+    """A domain of the module's own: what one leaves behind must not answer the next."""
+    with reserved_domain() as number, pytest.MonkeyPatch.context() as patch:
+        patch.setenv("ROS_DOMAIN_ID", str(number))
+        yield
 
 
 @pytest.fixture

@@ -3,7 +3,7 @@
 """Real node processes for tests: start them, talk to them, wait with deadlines, end them.
 
 The fixtures `probe` and `start_node` in ``conftest.py`` wrap what is here, in the ROS domain
-(variable ``ROS_DOMAIN_ID``) that this test process has reserved for itself::
+(variable ``ROS_DOMAIN_ID``) that is reserved for the module's tests::
 
     def test_reset(probe, start_node):
         mapper = start_node("mapper", parameters={"mode": "continuous"})
