@@ -1,9 +1,9 @@
 # Copyright 2026 The fuzzy navigation maintainers
 # SPDX-License-Identifier: Apache-2.0
-"""The one folder that map files may be asked for by name, and be written to.
+"""Where map files may lie that are asked for by name: in one folder, if one was chosen.
 
 Whoever can call the mapper's services gives the names. They are looked at before anything
-is opened, and none of them leads out of the folder.
+is opened, and where a folder was chosen none of them leads out of it.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ class MapFolder:
     ----------
     folder : str
         The folder, ``~`` being the user's home, a relative one starting from where the process
-        was started. It need not exist until something is written. Empty: there is none, and
-        every name is refused.
+        was started. It need not exist until something is written. Empty: none was chosen, and
+        every file that the process may open can be named.
 
     Raises
     ------
@@ -37,7 +37,8 @@ class MapFolder:
     def __init__(self, folder: str) -> None:
         if "\0" in folder:
             raise ValueError(f"{folder!r} is no folder's name")
-        self._folder = Path(os.path.abspath(os.path.expanduser(folder))) if folder else None
+        self._folder = Path(os.path.abspath(os.path.expanduser(folder)))
+        self._confined = bool(folder)
 
     def file_to_write(self, name: str) -> Path:
         """Return the path of a file that may be written, replacing what is there.
@@ -47,18 +48,19 @@ class MapFolder:
         Parameters
         ----------
         name : str
-            Name of the file, with folders inside of the map folder if need be.
+            Name of the file, with folders inside of the map folder if need be; or its absolute
+            path.
 
         Raises
         ------
         ValueError
-            If the name is empty, absolute, leads out of the folder by ``..`` or by a symbolic
-            link, or is that of a folder, a device or a pipe: writing would replace it, too.
+            If the name is empty, leads out of the folder as an absolute path, by ``..`` or by a
+            symbolic link, or is that of a folder, a device or a pipe: writing would replace it,
+            too.
         OSError
             If the folder cannot be made or looked at.
         """
-        file = self._inside(name)
-        assert self._folder is not None
+        file = self._allowed(name)
         self._folder.mkdir(parents=True, exist_ok=True)
         return file
 
@@ -72,35 +74,35 @@ class MapFolder:
         OSError
             If it cannot be looked at.
         """
-        file = self._inside(name)
+        file = self._allowed(name)
         if not file.exists():
-            raise ValueError(f"there is no file {name!r} in the map folder '{self._folder}'")
+            raise ValueError(f"there is no file '{file}'")
         return file
 
-    def _inside(self, name: str) -> Path:
+    def _allowed(self, name: str) -> Path:
         """Return the path, free of symbolic links, that a name stands for."""
-        if self._folder is None:
-            raise ValueError(
-                "map files are switched off: no folder is named in the parameter 'map_folder'"
-            )
         if not name:
-            raise ValueError(f"no name was given; name a file in the map folder '{self._folder}'")
+            raise ValueError("no name was given; name a file")
         if not name.isprintable() or len(name.encode(errors="replace")) > _MAX_NAME:
             raise ValueError(f"{reprlib.repr(name)} is no file name")
-        parts = Path(name).parts
-        if os.path.isabs(name) or ".." in parts or not parts:
-            raise ValueError(
-                f"{name!r} is refused: names are those of files inside the map folder "
-                f"'{self._folder}' (parameter 'map_folder'), without '/' before or '..' in them"
-            )
         file = Path(os.path.realpath(self._folder / name))
-        if not file.is_relative_to(os.path.realpath(self._folder)):
-            raise ValueError(
-                f"{name!r} is refused: a symbolic link leads out of the map folder "
-                f"'{self._folder}'"
-            )
+        if self._confined:
+            self._assert_inside(name, file)
         if file.is_symlink():
             raise ValueError(f"{name!r} is a symbolic link that leads back to itself")
         if file.exists() and not file.is_file():
             raise ValueError(f"{name!r} is a folder, a device or a pipe; name a file")
         return file
+
+    def _assert_inside(self, name: str, file: Path) -> None:
+        named = self._folder / name
+        if ".." in named.parts or not named.is_relative_to(self._folder):
+            raise ValueError(
+                f"{name!r} is refused: map files lie inside of the map folder "
+                f"'{self._folder}' (parameter 'map_folder'); name one without '..'"
+            )
+        if not file.is_relative_to(os.path.realpath(self._folder)):
+            raise ValueError(
+                f"{name!r} is refused: a symbolic link leads out of the map folder "
+                f"'{self._folder}'"
+            )

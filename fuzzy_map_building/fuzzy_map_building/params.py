@@ -211,9 +211,10 @@ class MapperParameters:
         source="Oriolo 1998, section III-A",
     )
     map_folder: str = parameter(
-        "~/.ros/maps",
+        "",
         doc="the one folder that save_map and load_map work in, ~ being the user's home; made "
-        "when the first map is saved; empty: no map is saved or loaded",
+        "when the first map is saved. Empty: any that the process may write and read; to be set "
+        "where not everybody who reaches the services is trusted",
         read_only=True,
     )
     sonar: SonarParameters = field(default_factory=SonarParameters)
