@@ -21,6 +21,8 @@ __all__ = ["ControlTicks", "Tick", "Untimely"]
 FUTURE_TOLERANCE = 0.5
 #: A clock that shows less than before by more than this [s] was set back.
 CLOCK_SLACK = 0.5
+#: Without a tick for so long [s of wall time] whoever acts on ticks has to let time pass.
+SILENCE = 0.2
 #: Poses farther apart than this [s] are not joined by interpolation.
 MAX_POSE_GAP = 0.5
 #: Poses older than this [s] are forgotten; after a silence of this length older stamps are taken

@@ -17,13 +17,10 @@ from typing import Any
 
 import numpy as np
 
-from fuzzy_map_building.infrared_gathering import InfraredGatherer
 from fuzzy_map_building.mapper import FuzzyMapper
 from fuzzy_map_building.occupancy import risk_to_int8
-from fuzzy_map_building.packet import ReadingAssembler
-from fuzzy_map_building.params import DEFAULT_PRESET, MapperParameters, mapper_parameters
-from fuzzy_map_building.perception import PerceptionSequence
-from fuzzy_map_building.types import InfraredReading, Pose2, RangeReading, SonarReading
+from fuzzy_map_building.params import DEFAULT_PRESET, mapper_parameters
+from fuzzy_map_building.types import Pose2
 from fuzzy_navigation.mission import Mission
 from fuzzy_navigation.mission_types import (
     Commands,
@@ -33,11 +30,14 @@ from fuzzy_navigation.mission_types import (
     Perceive,
     Plan,
 )
-from fuzzy_navigation.params import MotionParameters, motion_parameters, planner_parameters
+from fuzzy_navigation.params import motion_parameters, planner_parameters
 from fuzzy_navigation.planner import Planner
+from nomad_sim.fault_injection import FaultInjector
+from nomad_sim.headless_parts import Control, Perception
 from nomad_sim.mission_log import MissionLog
 from nomad_sim.params import simulator_parameters
 from nomad_sim.simulator import Simulator
+from nomad_sim.telemetry import telemetry_of
 from nomad_sim.world import World
 from nomad_sim.world_io import load_world
 
@@ -114,28 +114,30 @@ class HeadlessMission:
         self.planner = Planner(geometry, planner_parameters(preset, planner))
         drive = motion_parameters(preset, motion)
         self.mission = Mission(drive)
-        self._echoes = _Echoes(drive) if drive.sonar_guard.enabled else None
+        self._faults = FaultInjector.of(self.simulator.parameters)
+        self._control = Control(self.mission, drive)
         self.verdict: Finish | None = None
-        self._perception = _Perception(p)
+        self._perception = Perception(p)
         self._drive = Drive(0.0, 0.0)
-        self._handle(self.mission.start(self.simulator.time, self.goal))
+        self._handle(self.mission.start(self.now, self.goal))
+
+    @property
+    def now(self) -> float:
+        """The mission's time [s]."""
+        return self._control.now
 
     def tick(self) -> None:
         """Let one control period pass: move, measure, decide."""
         simulator = self.simulator
         simulator.step(self._drive.linear, self._drive.angular, CONTROL_PERIOD)
-        angle = self._perception.tick(simulator)
+        told = self._faults.apply(telemetry_of(simulator))
+        angle = self._perception.tick(told)
         if angle is not None:
             simulator.command_turret(angle)
+        self._control.pass_time(told)
         self._finish_perception()
-        now, pose = simulator.time, simulator.pose
-        bearings = simulator.parameters.infrared.bearings
-        infrared = [
-            InfraredReading(pose, bearings[i], float(value), now, i)
-            for i, value in enumerate(simulator.infrared())
-        ]
-        sonar = self._echoes.tick(simulator) if self._echoes is not None else []
-        self._handle(self.mission.on_pose(now, pose, infrared, sonar))
+        for commands in self._control.tick(told):
+            self._handle(commands)
 
     def run(
         self,
@@ -163,8 +165,7 @@ class HeadlessMission:
                 logged = len(self.mission.log)
                 on_perception(self)
             if self.simulator.time > time_limit:
-                now = self.simulator.time
-                self._handle(self.mission.cancel(now, f"not over after {time_limit:g} s"))
+                self._handle(self.mission.cancel(self.now, f"not over after {time_limit:g} s"))
         return self._log(self.verdict, time.perf_counter() - began)
 
     def _handle(self, commands: Commands) -> None:
@@ -173,7 +174,7 @@ class HeadlessMission:
             if isinstance(command, Drive):
                 self._drive = command
             elif isinstance(command, Perceive):
-                self._perception.start(self.simulator.time, command.request)
+                self._perception.start(command.request)
             elif isinstance(command, Plan):
                 plan = self.planner.plan(
                     command.start,
@@ -182,8 +183,7 @@ class HeadlessMission:
                     barred=command.barred,
                     hits=command.hits,
                 )
-                now = self.simulator.time
-                self._handle(self.mission.on_plan(now, command.request, plan))
+                self._handle(self.mission.on_plan(self.now, command.request, plan))
             else:
                 self.verdict = command
 
@@ -193,7 +193,7 @@ class HeadlessMission:
         if ended is None:
             return
         request, packet, failure = ended
-        now = self.simulator.time
+        now = self.now
         if not failure:
             report = self.mapper.update(packet)
             if report.accepted == 0:
@@ -231,74 +231,6 @@ class HeadlessMission:
             motion_risk=self.mapper.motion_risk.copy(),
             planning_risk=self.mapper.planning_risk.copy(),
         )
-
-
-class _Perception:
-    """The part of the mapper node that gathers a packet, fed by the simulator."""
-
-    def __init__(self, parameters: MapperParameters) -> None:
-        self._assembler = ReadingAssembler(parameters)
-        self._sequence = PerceptionSequence(parameters)
-        self._gatherer = InfraredGatherer(parameters)
-        self._bearings = parameters.infrared.bearings
-        self._request: int | None = None
-
-    def start(self, now: float, request: int) -> None:
-        self._request = request
-        self._sequence.start(now)
-
-    def tick(self, simulator: Simulator) -> float | None:
-        """Take what the simulator measured; return an angle for the turret [rad], if any."""
-        now = simulator.time
-        self._assembler.add_pose(now, simulator.pose, now)
-        self._assembler.add_turret(now, simulator.turret_angle, now)
-        self._sequence.on_turret(now, simulator.turret_angle)
-        for event in simulator.sonar_events:
-            self._assembler.add_range(event.sensor, event.stamp, event.range, now)
-        self._take_infrared(simulator)
-        for reading in self._assembler.release(now):
-            self._sequence.on_reading(reading)
-            self._gatherer.on_sonar(reading)
-        return self._sequence.step(now)
-
-    def _take_infrared(self, simulator: Simulator) -> None:
-        now, pose = simulator.time, simulator.pose
-        # Most are of no use: asked first, since they would take half of a mission's time.
-        if not (self._sequence.wants_infrared(now) or self._gatherer.wants(pose)):
-            return
-        for sensor, value in enumerate(simulator.infrared()):
-            reading = InfraredReading(pose, self._bearings[sensor], float(value), now, sensor)
-            self._sequence.on_infrared(reading)
-            self._gatherer.on_infrared(reading)
-
-    def ended(self) -> tuple[int, list[RangeReading], str] | None:
-        """Return (request, packet, failure) once, when a perception is over."""
-        if self._request is None or self._sequence.active:
-            return None
-        request, self._request = self._request, None
-        packet = [*self._sequence.packet, *self._gatherer.readings()]
-        return request, packet, self._sequence.failed
-
-    def fused(self) -> None:
-        """Begin to gather for the next packet."""
-        self._gatherer.restart(self._sequence.readings[0].pose)
-
-
-class _Echoes:
-    """The part of the motion node that places the sonars' ranges, fed by the simulator."""
-
-    def __init__(self, parameters: MotionParameters) -> None:
-        p = MapperParameters(sonar=parameters.sonar, turret=parameters.turret)
-        self._assembler = ReadingAssembler(p)
-
-    def tick(self, simulator: Simulator) -> list[SonarReading]:
-        """Return what the sonars measured since the last tick."""
-        now = simulator.time
-        self._assembler.add_pose(now, simulator.pose, now)
-        self._assembler.add_turret(now, simulator.turret_angle, now)
-        for event in simulator.sonar_events:
-            self._assembler.add_range(event.sensor, event.stamp, event.range, now)
-        return self._assembler.release(now)
 
 
 def _goal(world: World, goal: tuple[float, float]) -> tuple[float, float]:

@@ -38,7 +38,7 @@ from fuzzy_map_building.ros.conversions import (
 from fuzzy_map_building.ros.diagnostics import Diagnostics
 from fuzzy_map_building.ros.parameters import declare_parameters
 from fuzzy_map_building.ros.run import spin_node
-from fuzzy_navigation.control_tick import ControlTicks, Tick, Untimely
+from fuzzy_navigation.control_tick import SILENCE, ControlTicks, Tick, Untimely
 from fuzzy_navigation.map_times import MapTimes
 from fuzzy_navigation.mission import Mission
 from fuzzy_navigation.mission_types import (
@@ -62,8 +62,6 @@ __all__ = ["MotionNode", "main"]
 
 #: Time between two looks at what should have come [s of wall time].
 WATCH_PERIOD: Final = 0.05
-#: Without a tick for so long [s of wall time] the mission is told that time passes.
-SILENCE: Final = 0.2
 #: Time between two feedbacks while nothing changes [s of wall time].
 REPORT_PERIOD: Final = 0.2
 #: Least time between two log lines on why the robot stands [s of wall time].

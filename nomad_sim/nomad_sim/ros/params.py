@@ -107,7 +107,7 @@ class SimulationParameters(SimulatorParameters):
     )
 
     def __post_init__(self) -> None:
-        validate(self)
+        super().__post_init__()
 
 
 def simulation_parameters(overrides: Mapping[str, Any]) -> SimulationParameters:

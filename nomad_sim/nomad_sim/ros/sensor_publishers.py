@@ -22,6 +22,7 @@ from fuzzy_map_building.ros import names, qos
 from fuzzy_map_building.types import Pose2
 from nomad_sim.ros.params import SimulationParameters
 from nomad_sim.simulator import Simulator
+from nomad_sim.telemetry import Telemetry
 
 __all__ = ["SensorPublishers", "stamp_of"]
 
@@ -84,7 +85,7 @@ class SensorPublishers:
         self._pose_msg = PoseStamped()
         self._pose_msg.header.frame_id = names.MAP_FRAME
 
-    def publish(self, simulator: Simulator, epoch: int) -> None:
+    def publish(self, simulator: Simulator, told: Telemetry, epoch: int) -> None:
         """Publish the tick that the simulator has just made.
 
         First the time, the pose last: whoever has the pose of a stamp can expect the
@@ -94,24 +95,28 @@ class SensorPublishers:
         ----------
         simulator : Simulator
             After its step.
+        told : Telemetry
+            What the robot tells of it.
         epoch : int
             Stamp of the simulator's time 0 [ns].
         """
-        now = stamp_of(epoch + simulator.nanoseconds)
-        self._clock_msg.clock = now
+        self._clock_msg.clock = _stamp(told.clock, epoch)
         self._clock.publish(self._clock_msg)
-        for message, value in zip(self._infrared_msgs, simulator.infrared().tolist(), strict=True):
-            message.header.stamp = now
-            message.range = value
+        for ray in told.infrared:
+            message = self._infrared_msgs[ray.sensor]
+            message.header.stamp = _stamp(ray.stamp, epoch)
+            message.range = ray.value
             self._infrared.publish(message)
-        self._joint_msg.header.stamp = now
-        self._joint_msg.position = [simulator.turret_angle]
-        self._joints.publish(self._joint_msg)
-        for event in simulator.sonar_events:
-            message = self._sonar_msgs[event.sensor]
-            message.header.stamp = stamp_of(epoch + round(event.stamp * _NANO))
-            message.range = event.range
+        for turret in told.turret:
+            self._joint_msg.header.stamp = _stamp(turret.stamp, epoch)
+            self._joint_msg.position = [turret.angle]
+            self._joints.publish(self._joint_msg)
+        for echo in told.sonar:
+            message = self._sonar_msgs[echo.sensor]
+            message.header.stamp = _stamp(echo.stamp, epoch)
+            message.range = echo.value
             self._sonar.publish(message)
+        now = stamp_of(epoch + simulator.nanoseconds)
         velocity = simulator.velocity
         self._odom_msg.header.stamp = now
         _fill(self._odom_msg.pose.pose, simulator.odometry)
@@ -124,7 +129,15 @@ class SensorPublishers:
         self._pose_msg.header.stamp = now
         _fill(self._pose_msg.pose, simulator.pose)
         self._truth.publish(self._pose_msg)
-        self._pose.publish(self._pose_msg)
+        for pose in told.pose:
+            self._pose_msg.header.stamp = _stamp(pose.stamp, epoch)
+            _fill(self._pose_msg.pose, pose.pose)
+            self._pose.publish(self._pose_msg)
+
+
+def _stamp(time: float, epoch: int) -> Time:
+    """Return the stamp of a robot's time [s]; before time 0 there is none."""
+    return stamp_of(max(epoch + round(time * _NANO), 0))
 
 
 def stamp_of(nanoseconds: int) -> Time:

@@ -39,10 +39,12 @@ from fuzzy_map_building.ros.conversions import Refused, grid_to_msg, twist_from_
 from fuzzy_map_building.ros.diagnostics import Diagnostics
 from fuzzy_map_building.ros.parameters import declare_parameters
 from fuzzy_map_building.ros.run import spin_node
+from nomad_sim.fault_injection import FaultInjector
 from nomad_sim.ros.params import EPOCH, SimulationParameters, simulation_parameters
 from nomad_sim.ros.sensor_publishers import SensorPublishers, stamp_of
 from nomad_sim.ros.tick_gate import TickGate
 from nomad_sim.simulator import Simulator
+from nomad_sim.telemetry import telemetry_of
 from nomad_sim.world_io import load_world
 
 __all__ = ["TICK", "SimNode", "main"]
@@ -58,7 +60,7 @@ TRUTH_PERIOD: Final = 1_000_000_000
 #: Share of the wanted rate below which the simulator counts as too slow.
 SLOW: Final = 0.9
 #: Groups of parameters that the simulator takes over only when it begins anew.
-_MODEL: Final = ("sonar", "infrared", "robot", "turret", "odometry")
+_MODEL: Final = ("sonar", "infrared", "robot", "turret", "odometry", "faults")
 
 
 class SimNode(Node):
@@ -78,6 +80,7 @@ class SimNode(Node):
         # The first step compiles loops, which may take seconds: not while others wait for it.
         self._simulator.step(0.0, 0.0, TICK)
         self._simulator.reset()
+        self._faults = FaultInjector.of(self._simulator.parameters)
         self._epoch = EPOCH
         self._command = (0.0, 0.0)
         self._commanded_at = 0
@@ -136,7 +139,8 @@ class SimNode(Node):
             self._command = (0.0, 0.0)
             self._gate.disengage()
         simulator.step(*self._command, TICK)
-        self._sensors.publish(simulator, self._epoch)
+        told = self._faults.apply(telemetry_of(simulator))
+        self._sensors.publish(simulator, told, self._epoch)
         if self._world.moving and simulator.nanoseconds - self._truth_at >= TRUTH_PERIOD:
             self._publish_truth()
 
@@ -200,6 +204,7 @@ class SimNode(Node):
         values = self._settings.values
         stamp = self._epoch + self._simulator.nanoseconds + RESET_JUMP
         self._simulator = Simulator(self._world, values, values.start.pose())
+        self._faults = FaultInjector.of(self._simulator.parameters)
         self._epoch = stamp
         self._command = (0.0, 0.0)
         self._commanded_at = 0
