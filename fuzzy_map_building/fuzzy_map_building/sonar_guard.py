@@ -13,6 +13,7 @@ poses of the robot may be compared.
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -25,7 +26,7 @@ from fuzzy_map_building.sensor_params import (
     SonarParameters,
 )
 from fuzzy_map_building.sonar_packet import SonarPacket
-from fuzzy_map_building.types import InfraredReading, SonarReading
+from fuzzy_map_building.types import InfraredReading, SonarReading, wrap_angle
 
 __all__ = ["cut_rays", "guard_points"]
 
@@ -77,8 +78,10 @@ def guard_points(
     short = _short(sonar, sonar_p, reach + robot_radius)
     if not short:
         return np.zeros((0, 2))
-    seen = InfraredPacket.from_readings(infrared, infrared_p)
-    centre, direction, distance = _unexplained(short, seen, sonar_p, guard)
+    hits = _hits(infrared, infrared_p)
+    centre, direction, distance = _unexplained(short, hits, sonar_p, guard)
+    if not len(distance):
+        return np.zeros((0, 2))
     angles = direction[:, None] + np.array([0.0, guard.spread, -guard.spread])
     rays = np.stack((np.cos(angles), np.sin(angles)), axis=2)
     points: FloatArray = centre[:, None, :] + distance[:, None, None] * rays
@@ -116,10 +119,11 @@ def cut_rays(
     short = _short(sonar, sonar_p, reach + robot_radius)
     if not short:
         return cut
-    seen = InfraredPacket.from_readings(infrared, infrared_p)
-    centre, direction, distance = _unexplained(short, seen, sonar_p, guard)
+    hits = _hits(infrared, infrared_p)
+    centre, direction, distance = _unexplained(short, hits, sonar_p, guard)
     if not len(distance):
         return cut
+    seen = InfraredPacket.from_readings(infrared, infrared_p)
     rays = np.column_stack((np.cos(direction), np.sin(direction)))
     to, away = _polar(centre + distance[:, None] * rays, seen.centre)
     beside = _between(to, seen.direction[:, None]) <= guard.angle + _ROUNDING
@@ -143,28 +147,43 @@ def _short(
     ]
 
 
+def _hits(
+    infrared: Sequence[InfraredReading], infrared_p: InfraredParameters
+) -> list[tuple[float, float]]:
+    """Return where infrared readings met a surface (x, y) [m]."""
+    points = []
+    for r in infrared:
+        distance = infrared_p.min_range if r.range == -math.inf else r.range
+        if infrared_p.min_range <= distance <= infrared_p.max_range and distance < math.inf:
+            rho, direction = infrared_p.mount_radius + distance, r.pose.theta + r.bearing
+            points.append(
+                (r.pose.x + rho * math.cos(direction), r.pose.y + rho * math.sin(direction))
+            )
+    return points
+
+
 def _unexplained(
     short: Sequence[SonarReading],
-    seen: InfraredPacket,
+    hits: Sequence[tuple[float, float]],
     sonar_p: SonarParameters,
     guard: SonarGuardParameters,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return centre, direction and distance of those of some returns that have no hit."""
-    table = np.array(
-        [
-            (r.pose.x, r.pose.y, r.pose.theta + r.bearing, max(r.range, sonar_p.min_range))
-            for r in short
-        ],
-        dtype=np.float64,
-    )
-    centre, direction = table[:, :2], table[:, 2]
-    distance = table[:, 3] + sonar_p.mount_radius
-    to, away = _polar(seen.hit_points(), centre)
-    explained = (
-        (_between(to, direction[:, None]) <= guard.angle + _ROUNDING)
-        & (away <= distance[:, None] + guard.slack + _ROUNDING)
-    ).any(axis=1)
-    return centre[~explained], direction[~explained], distance[~explained]
+    # Numbers, not arrays: this is asked at every tick of the control, about few of both.
+    table = []
+    for r in short:
+        x, y, direction = r.pose.x, r.pose.y, r.pose.theta + r.bearing
+        distance = max(r.range, sonar_p.min_range) + sonar_p.mount_radius
+        farthest = distance + guard.slack + _ROUNDING
+        for u, v in hits:
+            if math.hypot(u - x, v - y) <= farthest:
+                off = wrap_angle(math.atan2(v - y, u - x) - direction)
+                if abs(off) <= guard.angle + _ROUNDING:
+                    break
+        else:
+            table.append((x, y, direction, distance))
+    rows = np.array(table, dtype=np.float64).reshape(-1, 4)
+    return rows[:, :2], rows[:, 2], rows[:, 3]
 
 
 def _vetoed(

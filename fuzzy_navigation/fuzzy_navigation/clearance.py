@@ -120,6 +120,8 @@ class InfraredRing:
     def __init__(self, parameters: InfraredParameters) -> None:
         self._parameters = parameters
         self._newest: dict[int, InfraredReading] = {}
+        # Asked for several times a tick.
+        self._hits: tuple[float, float, Points] | None = None
 
     def update(self, readings: Sequence[InfraredReading]) -> None:
         """Take readings; one that is faulty (NaN) or older than its sensor's newest is none.
@@ -136,6 +138,7 @@ class InfraredRing:
                     f"infrared reading of sensor {reading.sensor}: the ring has sensors 0 to "
                     f"{count - 1}; see parameter 'infrared.frame_ids'"
                 )
+        self._hits = None
         for reading in readings:
             held = self._newest.get(reading.sensor)
             if not math.isnan(reading.range) and (held is None or reading.stamp >= held.stamp):
@@ -144,6 +147,7 @@ class InfraredRing:
     def clear(self) -> None:
         """Forget all readings."""
         self._newest.clear()
+        self._hits = None
 
     def silent(self, now: float, limit: float) -> list[str]:
         """Return the frames of the sensors without a reading of the last `limit` [s]."""
@@ -155,9 +159,12 @@ class InfraredRing:
 
     def hits(self, now: float, limit: float) -> Points:
         """Return the hit points (x, y) [m] of the last `limit` [s], shape (n, 2)."""
-        p = self._parameters
-        present = self.present(now, limit)
-        return hit_points(present, p.mount_radius, p.min_range, p.max_range)
+        if self._hits is None or self._hits[:2] != (now, limit):
+            p = self._parameters
+            points = hit_points(self.present(now, limit), p.mount_radius, p.min_range, p.max_range)
+            points.flags.writeable = False
+            self._hits = now, limit, points
+        return self._hits[2]
 
     def present(self, now: float, limit: float) -> list[InfraredReading]:
         """Return the newest reading of each sensor, of the last `limit` [s]."""

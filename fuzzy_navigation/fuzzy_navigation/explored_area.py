@@ -64,6 +64,11 @@ class ExploredArea:
         risk = augment(motion_risk, robot_radius, geometry.resolution, augmentation)
         self._cells = beta_cut(risk, beta)
 
+    @property
+    def cells(self) -> NDArray[np.bool_]:
+        """The cells that the robot's centre may enter, shape (H, W)."""
+        return self._cells
+
     def holds(self, x: float, y: float) -> bool:
         """Tell whether the robot's centre may enter the cell that holds a point (x, y) [m]."""
         return self.geometry.contains(x, y) and bool(self._cells[self.geometry.cell_of(x, y)])

@@ -19,6 +19,7 @@ from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.types import InfraredReading, Pose2, SonarReading
 from fuzzy_navigation import verdicts
 from fuzzy_navigation.explored_area import ExploredArea
+from fuzzy_navigation.look_turn import LookTurn
 from fuzzy_navigation.mission_record import MissionRecord, checked_tolerance
 from fuzzy_navigation.mission_types import (
     Command,
@@ -35,15 +36,15 @@ from fuzzy_navigation.mission_waiting import Hold, MissionTime, OpenRequest
 from fuzzy_navigation.motion import Motion, PlannedPath
 from fuzzy_navigation.params import MotionParameters
 from fuzzy_navigation.plan_types import PlanResult, PlanStatus
-from fuzzy_navigation.refused_cells import RefusedCells
 from fuzzy_navigation.surroundings import Surroundings
+from fuzzy_navigation.tried_places import TriedPlaces
 
 __all__ = ["Mission"]
 
 #: Longest time between two ticks that the motion is laid out for [s].
 LONGEST_TICK = 0.2
 
-_State = Enum("_State", ["IDLE", "WAITING", "PERCEIVING", "PLANNING", "MOVING"])
+_State = Enum("_State", ["IDLE", "WAITING", "PERCEIVING", "PLANNING", "MOVING", "TURNING"])
 
 
 class Mission:
@@ -72,8 +73,8 @@ class Mission:
         self._request = OpenRequest()
         self._hold = Hold()
         self._asked_at, self._answered, self._map_seen = 0.0, False, False
-        keep_out = self._p.robot_radius + self._p.clearance.override
-        self._refused = RefusedCells(self._p.refusal_memory, keep_out, self._p.believed_free_alpha)
+        self._tried = TriedPlaces(self._p)
+        self._turn = LookTurn(self._p.look_turn, self._p.follower)
 
     @property
     def active(self) -> bool:
@@ -83,8 +84,8 @@ class Mission:
     @property
     def phase(self) -> Phase:
         """What the robot is doing."""
-        others = {_State.PLANNING: Phase.PLANNING, _State.MOVING: Phase.MOVING}
-        return others.get(self._state, Phase.PERCEIVING)
+        moving = dict.fromkeys((_State.MOVING, _State.TURNING), Phase.MOVING)
+        return {_State.PLANNING: Phase.PLANNING, **moving}.get(self._state, Phase.PERCEIVING)
 
     @property
     def log(self) -> tuple[LogEntry, ...]:
@@ -137,10 +138,9 @@ class Mission:
         started = self._time.elapsed
         self._record = MissionRecord(self._record.mission + 1, target, accuracy, started)
         self._motion.forget()
-        self._refused.forget()
+        self._tried.forget()
         self._state = _State.WAITING
-        refusal = verdicts.outside(self._record, self._area.geometry) if self._area else None
-        if refusal:
+        if self._area and (refusal := verdicts.outside(self._record, self._area.geometry)):
             commands += self._finish(refusal)
         elif self._pose_age() > self._p.timeout.pose:
             self._hold.begin(self._time.elapsed, "no pose yet")
@@ -182,6 +182,9 @@ class Mission:
             self._hold.end()
             if self._state is _State.WAITING:
                 commands += self._set_out()
+            elif self._state is _State.TURNING:
+                omega = self._turn.step(pose, dt)
+                commands += self._perceive() if omega is None else [Drive(0.0, omega)]
         if not any(isinstance(command, Drive) for command in commands):
             commands.insert(0, Drive(0.0, 0.0))
         return tuple(commands)
@@ -218,12 +221,10 @@ class Mission:
         """
         self._time.check(now)
         p = self._p
-        self._area = ExploredArea(
-            geometry, motion_risk, p.beta, p.robot_radius, p.augmentation, self._pose
-        )
+        rules = p.beta, p.robot_radius, p.augmentation
+        self._area = ExploredArea(geometry, motion_risk, *rules, self._pose)
         self._advance(now)
-        refusal = verdicts.outside(self._record, geometry) if self.active else None
-        if refusal:
+        if self.active and (refusal := verdicts.outside(self._record, geometry)):
             return tuple(self._finish(refusal))
         if self._state is _State.MOVING:
             self._motion.allow(self._area.reach(self.plan_path, self._motion.passed))
@@ -251,8 +252,7 @@ class Mission:
             return tuple(self._move(plan))
         if plan.status == PlanStatus.NO_MAP:
             return tuple(self._failed_once("the planner has no map", plan.message))
-        unreachable = plan.status == PlanStatus.NO_PATH
-        if unreachable and self._refused.release():
+        if plan.status == PlanStatus.NO_PATH and self._tried.try_again(self._record.perceptions):
             return tuple(self._plan())
         return tuple(self._finish(verdicts.no_plan(plan)))
 
@@ -279,10 +279,8 @@ class Mission:
         """Stop, ask again or give up for what did not come in time."""
         p, time = self._p.timeout, self._time.elapsed
         age = time - max(self._pose_time, self._record.started)
-        if age > p.pose:
-            commands = self._stand(f"no pose for {age:.1f} s")
-            if commands:
-                return commands
+        if age > p.pose and (commands := self._stand(f"no pose for {age:.1f} s")):
+            return commands
         if self._request.due(time):
             return self._plan() if self._state is _State.PLANNING else self._perceive()
         if not self._request.overdue(time):
@@ -298,20 +296,24 @@ class Mission:
         if self._hold.lasted(self._time.elapsed) > self._p.timeout.lost:
             return self._finish((Outcome.FAILED, f"the robot stood and waited in vain: {reason}"))
         self._motion.halt()
-        return [Drive(0.0, 0.0)] if self._state is _State.MOVING else []
+        return [Drive(0.0, 0.0)] if self.phase is Phase.MOVING else []
 
     def _failed_once(self, what: str, message: str) -> list[Command]:
         self._request.fail(self._time.elapsed)
-        times = self._request.failures
-        if times < self._p.attempts:
+        if self._request.failures < self._p.attempts:
             return []
-        reason = f"{what} {times} times in a row, the last time: {message}"
+        reason = f"{what} {self._request.failures} times in a row, the last time: {message}"
         return self._finish((Outcome.FAILED, reason))
 
     @property
     def _here(self) -> Pose2:
         assert self._pose is not None
         return self._pose
+
+    @property
+    def _known(self) -> ExploredArea:
+        assert self._area is not None
+        return self._area
 
     def _set_out(self) -> list[Command]:
         verdict = verdicts.arrival(self._record, self._here)
@@ -333,34 +335,33 @@ class Mission:
         self._request.settle()
         self._around.end_perception()
         self._record.perceived(now, self._here, self._distance_remaining())
+        self._tried.perceived(self._known, self._here)
         return self._plan()
 
     def _plan(self) -> list[Command]:
         self._state = _State.PLANNING
         request = self._request.make(self._time.elapsed, self._p.timeout.plan)
         tolerance = self._record.path_tolerance
-        barred = self._refused.barred(self._record.perceptions)
+        barred = self._tried.barred(self._record.perceptions, self._known)
         hits = tuple((x, y) for x, y in self._around.remembered.tolist())
         return [Plan(request, self._here, self._record.goal, tolerance, barred, hits)]
 
     def _move(self, plan: PlanResult) -> list[Command]:
-        assert self._area is not None
         try:
-            path = PlannedPath.of(plan.poses, plan.alpha, self._area.geometry, self._here)
+            path = PlannedPath.of(plan.poses, plan.alpha, self._known.geometry, self._here)
         except ValueError as error:
             return self._failed_once("the planner's path cannot be followed", str(error))
         self._request.settle()
         self._state = _State.MOVING
         self._record.alpha = plan.alpha
-        reach = self._area.reach(path.points)
+        reach = self._known.reach(path.points)
         hits, relaxed = self._around.remembered, self._record.relaxed
         self._motion.begin(self._here, path, self._record.goal, reach, relaxed, hits)
         return self._stopped() if self._motion.stopped is not None else []
 
     def _drive(self, pose: Pose2, dt: float) -> list[Command]:
         around, now = self._around, self._time.clock
-        silent = around.silent(now)
-        if silent:
+        if silent := around.silent(now):
             return self._stand(f"no readings from {', '.join(silent)}")
         self._hold.end()
         v, omega = self._motion.step(pose, around.known(now), dt, around.suspected(now))
@@ -377,11 +378,13 @@ class Mission:
         if verdict:
             return self._finish(verdict)
         self._record.stopped(self._motion.stopped, self._motion.came_on)
-        assert self._area is not None
         hits, ahead = self._around.near(self._time.clock, self._here), self._motion.next_point
-        self._refused.take_note(self._record, hits, ahead, self._area.geometry)
+        self._tried.stopped(self._record, hits, ahead, self._known)
         verdict = verdicts.stalemate(self._record, self._here, self._p)
-        return self._finish(verdict) if verdict else self._perceive()
+        if verdict or self._record.without_progress == 0 or not self._turn.begin(self._here):
+            return self._finish(verdict) if verdict else self._perceive()
+        self._state = _State.TURNING
+        return []
 
     def _finish(self, verdict: verdicts.Verdict) -> list[Command]:
         self._state = _State.IDLE

@@ -10,6 +10,7 @@ The groups of the motion are declared in `motion_params`.
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
@@ -84,8 +85,8 @@ class PlannerParameters:
     rung_choice: str = parameter(
         "first",
         doc="rung of the ladder whose path is taken: the lowest one that has a path (first), or "
-        "the lowest one whose path costs no more than rung_factor times the cheapest of all "
-        "rungs (cheapest)",
+        "the lowest one whose path costs no more than rung_factor times that of the highest "
+        "rung, which admits what the others do (cheapest)",
         choices=("first", "cheapest"),
         source="paper, section V: first",
     )
@@ -113,6 +114,13 @@ class PlannerParameters:
         doc="constant added to the risk of each cell: how much a path through cells that nobody "
         "has explored is preferred to one through free cells",
         minimum=1e-9,
+        maximum=1.0,
+    )
+    least_risk: float = parameter(
+        0.0,
+        doc="risk that every cell of a path costs at least: that of known free ground, where "
+        "ground that nobody has explored is not to be preferred to it",
+        minimum=0.0,
         maximum=1.0,
     )
     robot_radius: float = parameter(
@@ -196,6 +204,36 @@ class MotionParameters:
         minimum=0,
         maximum=100_000,
     )
+    frontier_looks: int = parameter(
+        0,
+        doc="looks from within frontier_reach after which a cell at the border of the explored "
+        "area that has not opened is not worth another, and barred; 0: never",
+        minimum=0,
+        maximum=100_000,
+    )
+    frontier_reach: float = parameter(
+        1.3,
+        doc="distance within which a perception is a close look at a cell in sight",
+        unit="m",
+        minimum=0.0,
+        maximum=100.0,
+    )
+    look_turn: float = parameter(
+        0.0,
+        doc="angle by which the robot turns before it looks again from a place where the last "
+        "perception brought no progress: the golden section of the angle between two infrareds, "
+        "so that none looks where another did; 0: it does not",
+        unit="rad",
+        minimum=0.0,
+        maximum=math.pi,
+    )
+    patience: int = parameter(
+        25,
+        doc="perceptions before which everything that is barred is looked at over and over "
+        "before the goal is called unreachable; after them once more",
+        minimum=0,
+        maximum=100_000,
+    )
     attempts: int = parameter(
         3,
         doc="how often in a row a perception or a plan may fail before the mission does",
@@ -244,6 +282,7 @@ PLANNER_PRESETS: Mapping[str, Mapping[str, Any]] = {
     "consistent": {
         "augmentation": "disc",
         "diagonal": "sqrt2",
+        "least_risk": 0.1,
         "rung_choice": "cheapest",
         "layer.enabled": True,
     },
@@ -253,6 +292,8 @@ MOTION_PRESETS: Mapping[str, Mapping[str, Any]] = {
     "consistent": {
         "augmentation": "disc",
         "clearance.rule": "layer",
+        "frontier_looks": 5,
+        "look_turn": 0.618 * math.radians(22.5),
         "layer.enabled": True,
         "sonar_guard.enabled": True,
         # A corner beside an opening echoes off the sonar's axis: points aside would close it.

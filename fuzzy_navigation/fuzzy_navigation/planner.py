@@ -248,29 +248,37 @@ class Planner:
             p.epsilon,
             p.diagonal,
             p.corner_cutting,
+            p.least_risk,
         )
         rungs = self._map.rungs(request.layer)
-        found: list[tuple[float, SearchResult]] = []
-        for rung in request.rungs:
-            path = rungs.search(query, rung)
-            if path is None:
-                continue
-            found.append((rung, path))
-            if p.rung_choice == "first":
+        found: dict[float, SearchResult | None] = {}
+        tried, limit = request.rungs, math.inf
+        if p.rung_choice == "cheapest":
+            # The last rung admits what the others do: to an end no path is cheaper, and without
+            # one there is none.
+            top = request.rungs[-1]
+            found[top] = cheapest = rungs.search(query, top)
+            if cheapest is None:
+                tried = ()
+            else:
+                limit = p.rung_factor * float(getattr(cheapest, request.cost))
+        for rung in tried:
+            if rung not in found:
+                found[rung] = rungs.search(query, rung)
+            path = found[rung]
+            if path is not None and getattr(path, request.cost) <= limit:
                 break
-        if not found:
+        else:
             goal_blocked = rungs.blocked(query, request.rungs[-1])
             return PlanResult(
                 PlanStatus.NO_PATH, _no_path(request, goal_blocked), alpha=request.rungs[-1]
             )
-        costs = [getattr(path, request.cost) for _, path in found]
-        limit = p.rung_factor * min(costs)
-        rung, path = next(f for f, cost in zip(found, costs, strict=True) if cost <= limit)
         message = f"path of {len(path.path)} cells at alpha {rung:g}"
-        if found[0][0] > request.rungs[0]:
-            message += f", none at alpha {request.rungs[0]:g}"
-        elif rung > request.rungs[0]:
-            message += f", a much dearer one at alpha {request.rungs[0]:g}"
+        if rung > request.rungs[0]:
+            dearer = found[request.rungs[0]] is not None
+            message += (
+                f", {'a much dearer one' if dearer else 'none'} at alpha {request.rungs[0]:g}"
+            )
         return PlanResult(
             PlanStatus.FOUND,
             message,
@@ -278,7 +286,7 @@ class Planner:
             self._poses(path.path, request.heading),
             *rungs.risks(query, path.path),
             rung,
-            sum(result.expanded for _, result in found),
+            sum(result.expanded for result in found.values() if result is not None),
         )
 
     def _goal_cells(self, goal: tuple[float, float], tolerance: float) -> NDArray[np.int64]:

@@ -51,6 +51,8 @@ class Query:
         Cells that the path must not enter.
     cost, adjacency, epsilon, diagonal, corner_cutting
         As `search.find_path` takes them.
+    least_risk : float
+        Risk that every cell costs at least.
     """
 
     start: tuple[int, int]
@@ -61,6 +63,7 @@ class Query:
     epsilon: float
     diagonal: str
     corner_cutting: bool
+    least_risk: float = 0.0
 
 
 class Rungs(Protocol):
@@ -122,7 +125,7 @@ class LayeredMap:
         if end is None:
             return None
         return find_path(
-            self._paid,
+            self._paid if query.least_risk == 0.0 else np.maximum(self._paid, query.least_risk),
             query.start,
             end,
             query.cost,
@@ -276,15 +279,18 @@ class PlanningMap:
             return None
         codes = self._inner[path[:, 0], path[:, 1]]
         codes[0] = self._start_code
-        costs = risks_of_path(HUNDREDTHS[codes] + query.epsilon, path, query.diagonal)
+        risks = np.maximum(HUNDREDTHS[codes], query.least_risk)
+        costs = risks_of_path(risks + query.epsilon, path, query.diagonal)
         return SearchResult(True, path, *costs, expanded)
 
     def _costs(self, query: Query, rung: float, start_risk: float) -> CostField:
         """Return what it costs to enter each cell."""
         admissible = (rung >= HUNDREDTHS) & (self._count > 0)
-        least = min(float(HUNDREDTHS[admissible].min(initial=math.inf)), start_risk)
+        paid = np.maximum(HUNDREDTHS, query.least_risk)
+        start_risk = max(start_risk, query.least_risk)
+        least = min(float(paid[admissible].min(initial=math.inf)), start_risk)
         table = np.full(NO_ENTRY + 1, math.inf)
-        table[: len(HUNDREDTHS)] = np.where(rung >= HUNDREDTHS, HUNDREDTHS, math.inf)
+        table[: len(HUNDREDTHS)] = np.where(rung >= HUNDREDTHS, paid, math.inf)
         table[_START] = start_risk
         table += query.epsilon
         return coded_costs(self._field, table, least + query.epsilon, query.epsilon, query.cost)

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy_map_building.grid import GridGeometry
+from fuzzy_navigation.clearance_layer import best_clearance
 from fuzzy_navigation.mission_record import MissionRecord
 from fuzzy_navigation.mission_types import Stop
 
@@ -51,11 +52,16 @@ class RefusedCells:
         Distance [m] from a hit point within which the robot's centre cannot come.
     believed_free_alpha : float
         Rung up to which a path leads through no cell that is believed occupied.
+    shift : float
+        How far off its centre the robot may drive through a cell, in x and in y [m].
     """
 
-    def __init__(self, memory: int, keep_out: float, believed_free_alpha: float) -> None:
+    def __init__(
+        self, memory: int, keep_out: float, believed_free_alpha: float, shift: float = 0.0
+    ) -> None:
         self._memory = memory
         self._keep_out = keep_out
+        self._shift = shift
         self._believed_free_alpha = believed_free_alpha
         self.forget()
 
@@ -118,12 +124,17 @@ class RefusedCells:
         geometry : GridGeometry
             The cells.
         """
-        for x, y in hits:
+        cells: set[tuple[float, float]] = set()
+        for x, y in hits.tolist():
             columns, rows = geometry.centres(geometry.window(x, y, self._keep_out))
-            for row in rows:
-                reach = self._keep_out**2 - (row - y) ** 2
-                for column in columns[(columns - x) ** 2 < reach]:
-                    self._until[float(column), float(row)] = perception + self._memory
+            cells.update((column, row) for column in columns.tolist() for row in rows.tolist())
+        if not cells:
+            return
+        centres = np.array(sorted(cells))
+        # As planner and motion judge them: a cell counts by its best place.
+        distance = best_clearance(centres, hits, 0.0, self._shift)
+        for column, row in centres[distance < self._keep_out].tolist():
+            self._until[column, row] = perception + self._memory
 
     def add_unexplored(
         self,

@@ -78,6 +78,47 @@ def test_hit_points_without_the_layer_do_not_count():
     assert with_hits.path.tolist() == planner.plan(start, goal).path.tolist()
 
 
+def explored_band(risk=0.15):
+    """A map of which a straight band is known to be free, and nothing else at all."""
+    values = np.zeros((30, 40))
+    values[13:18] = risk
+    return values
+
+
+@pytest.mark.parametrize("hits", [(), [(-0.9, 2.05)]])
+@pytest.mark.parametrize("cost", ["g1", "g2"])
+def test_unexplored_ground_is_preferred_unless_it_costs_as_much_as_free_ground(cost, hits):
+    start, goal = centre(15, 5), centre(15, 35)
+    options = {"tolerance": 0.0, "diagonal": "sqrt2", "cost": cost}
+    aside = layered(explored_band(), **options).plan(start, goal, hits=hits).path
+    straight = layered(explored_band(), least_risk=0.15, **options).plan(start, goal, hits=hits)
+    assert (np.abs(aside[:, 0] - 15) > 2).any()
+    assert straight.path[:, 0].tolist() == [15] * 31
+    # What is reported are the risks of the map.
+    assert straight.g1 == pytest.approx(31 * 0.35)
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("cost", ["g1", "g2", "g3"])
+def test_the_least_risk_is_that_of_a_map_without_lesser_ones(cost, seed):
+    risk = np.round(np.random.default_rng(seed).uniform(0.0, 0.9, (30, 40)), 2)
+    options = {"tolerance": 0.0, "diagonal": "sqrt2", "cost": cost}
+    start, goal = centre(2, 3), centre(27, 36)
+    found = layered(risk, least_risk=0.3, **options).plan(start, goal)
+    direct = find_path(
+        np.maximum(risk, 0.3),
+        (2, 3),
+        (27, 36),
+        cost,
+        found.alpha,
+        adjacency=4 if cost == "g3" else 8,
+        epsilon=0.2,
+        diagonal="sqrt2",
+        cut=risk,
+    )
+    np.testing.assert_array_equal(found.path, direct.path)
+
+
 def two_doors(far_risk=0.0, near_risk=0.65):
     """A wall along column 20 with a near door of some risk and a free one far away."""
     risk = np.zeros((30, 40))

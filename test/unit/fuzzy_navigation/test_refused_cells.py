@@ -42,6 +42,28 @@ def test_an_obstacle_is_forgotten_after_its_time():
     assert memory.barred(8) == ()
 
 
+def test_a_cell_in_which_the_robot_may_drive_aside_is_held_by_its_best_place():
+    """An opening of 0.65 m: its middle stays open, which the centres of the cells miss."""
+    jambs = [(0.53, y) for y in (1.075, 1.725)]
+    hits = np.array([(x + 0.02 * k, y) for x, y in jambs for k in range(8)])
+    by_centres = RefusedCells(5, KEEP_OUT, 0.6)
+    by_centres.add_obstacle(3, hits, GEOMETRY)
+    by_places = RefusedCells(5, KEEP_OUT, 0.6, shift=0.045)
+    by_places.add_obstacle(3, hits, GEOMETRY)
+    sides = (0.0, 0.045, -0.045)
+    expected = {
+        (x, y)
+        for x, y in (GEOMETRY.centre_of(r, c) for r in range(30) for c in range(40))
+        if max(min(math.dist((x + a, y + b), hit) for hit in hits) for a in sides for b in sides)
+        < KEEP_OUT
+    }
+    assert set(by_places.barred(3)) == expected
+    assert expected < set(by_centres.barred(3))
+    middle = {cell for cell in by_centres.barred(3) if 1.34 < cell[1] < 1.46}
+    assert middle
+    assert not middle & expected
+
+
 def looked_at_twice(memory, perception, x, y):
     memory.add_unexplored(perception, (x, y), 0.6, 2, GEOMETRY)
 

@@ -1,0 +1,80 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""What a mission has tried in vain, and when it is worth another try."""
+
+from __future__ import annotations
+
+from fuzzy_map_building.types import Pose2
+from fuzzy_navigation.explored_area import ExploredArea
+from fuzzy_navigation.frontier_looks import FrontierLooks
+from fuzzy_navigation.mission_record import MissionRecord
+from fuzzy_navigation.params import MotionParameters
+from fuzzy_navigation.refused_cells import Points, RefusedCells
+
+__all__ = ["TriedPlaces"]
+
+
+class TriedPlaces:
+    """The memories of a mission that keep the planner from places, as one.
+
+    Parameters
+    ----------
+    parameters : MotionParameters
+        How long and after what a place is barred.
+    """
+
+    def __init__(self, parameters: MotionParameters) -> None:
+        p = parameters
+        keep_out = p.robot_radius + p.clearance.override
+        self._patience = p.patience
+        shift = p.layer.shift if p.subcell_target else 0.0
+        self._refused = RefusedCells(p.refusal_memory, keep_out, p.believed_free_alpha, shift)
+        self._looks = FrontierLooks(p.frontier_looks, p.frontier_reach)
+        self.forget()
+
+    def forget(self) -> None:
+        """Forget everything: a mission begins."""
+        self._refused.forget()
+        self._looks.forget()
+        self._looked_again = False
+
+    def perceived(self, area: ExploredArea, pose: Pose2) -> None:
+        """Take note of a perception, the map after it, and where it was made."""
+        self._looks.look(area.cells, area.geometry, pose)
+
+    def stopped(
+        self, record: MissionRecord, hits: Points, ahead: tuple[float, float], area: ExploredArea
+    ) -> None:
+        """Take note of where the motion has just not gone on.
+
+        Parameters
+        ----------
+        record, hits, ahead
+            As `RefusedCells.take_note` takes them.
+        area : ExploredArea
+            The cells.
+        """
+        self._refused.take_note(record, hits, ahead, area.geometry)
+
+    def barred(self, perception: int, area: ExploredArea) -> tuple[tuple[float, float], ...]:
+        """Return the centres (x, y) [m] of the cells that no path may enter now."""
+        return self._refused.barred(perception) + self._looks.barred(area.cells)
+
+    def try_again(self, perceptions: int) -> bool:
+        """Give places free, for what was in the way may have gone.
+
+        Parameters
+        ----------
+        perceptions : int
+            Perceptions made so far: while they are few, everything is looked at again.
+
+        Returns
+        -------
+        bool
+            Whether there was something to give free.
+        """
+        released = self._refused.release()
+        if not self._looked_again or perceptions < self._patience:
+            self._looked_again = True
+            released |= self._looks.again()
+        return released
