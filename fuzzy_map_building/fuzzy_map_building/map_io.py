@@ -7,18 +7,22 @@ arrays ``empty.npy``, ``occupied.npy``, ``count.npy``; `numpy.load` opens it as 
 written beside its final place and moved there when it is complete, so that a reader or a
 power failure never meets half a file. Loading trusts nothing: sizes are checked before
 memory is taken, and no code can come along (no pickle).
+
+The header may also tell with which parameters the state came about; snapshots do.
 """
 
 from __future__ import annotations
 
+import glob
 import io
 import json
 import os
+import re
 import secrets
 import struct
 import zipfile
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, Any
@@ -29,13 +33,21 @@ from numpy.typing import NDArray
 from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.map_state import MapState
 
-__all__ = ["MapFileError", "atomic_write", "load_map", "save_map"]
+__all__ = [
+    "MapFileError",
+    "atomic_write",
+    "load_map",
+    "load_map_and_parameters",
+    "remove_unfinished",
+    "save_map",
+]
 
 _FORMAT = "fuzzy_map_building"
 _VERSION = 1
 _HEADER = "map.json"
 _ARRAYS = {"empty": np.float64, "occupied": np.float64, "count": np.int32}
-_MAX_HEADER = 4096
+#: Longest header: room for the parameters of some hundred sensors.
+_MAX_HEADER = 65536
 #: Longest header of an .npy file of these arrays, with room to spare.
 _MAX_ARRAY_HEADER = 1024
 #: The end of a zip archive without comment: signature, numbers of disks and of members, size
@@ -65,7 +77,7 @@ def atomic_write(path: Path) -> Iterator[IO[bytes]]:
     target = Path(os.path.realpath(path))
     if target.is_symlink():
         raise MapFileError(f"cannot write '{path}': the symbolic link leads back to itself")
-    temporary = target.with_name(f".{target.name[:100]}.{secrets.token_hex(8)}.tmp")
+    temporary = target.with_name(f"{_unfinished(target)}{secrets.token_hex(8)}.tmp")
     try:
         try:
             with open(temporary, "xb") as file:
@@ -84,7 +96,34 @@ def atomic_write(path: Path) -> Iterator[IO[bytes]]:
         raise MapFileError(f"cannot write '{path}': {error.strerror or error}") from error
 
 
-def save_map(path: str | Path, state: MapState) -> None:
+def remove_unfinished(path: str | Path) -> None:
+    """Remove what a process that was killed while it wrote this file has left beside it.
+
+    Only for whoever is alone in writing it: the write of another one would fail.
+
+    Raises
+    ------
+    MapFileError
+        If it cannot be removed.
+    """
+    target = Path(os.path.realpath(_checked_path(path)))
+    start = _unfinished(target)
+    try:
+        for file in target.parent.glob(f"{glob.escape(start)}*.tmp"):
+            if re.fullmatch(r"[0-9a-f]{16}\.tmp", file.name[len(start) :]):
+                file.unlink(missing_ok=True)
+    except OSError as error:
+        raise MapFileError(f"cannot tidy up beside '{path}': {error.strerror or error}") from error
+
+
+def _unfinished(target: Path) -> str:
+    """Return how the names of files begin that are to become `target`."""
+    return f".{target.name[:100]}."
+
+
+def save_map(
+    path: str | Path, state: MapState, parameters: Mapping[str, Any] | None = None
+) -> None:
     """Write a state to a file, replacing what was there.
 
     Parameters
@@ -93,6 +132,8 @@ def save_map(path: str | Path, state: MapState) -> None:
         The file; its folder must exist. Of a symbolic link, the file that it leads to.
     state : MapState
         What `FuzzyMapper.state` returns.
+    parameters : mapping, optional
+        With which parameters it came about: numbers, words, and lists of them by name.
 
     Raises
     ------
@@ -100,7 +141,7 @@ def save_map(path: str | Path, state: MapState) -> None:
         If the file cannot be written. One that was there before is unharmed.
     """
     geometry = state.geometry
-    header = {
+    header: dict[str, Any] = {
         "format": _FORMAT,
         "version": _VERSION,
         "width": geometry.width,
@@ -109,11 +150,16 @@ def save_map(path: str | Path, state: MapState) -> None:
         "origin": list(geometry.origin),
         "perceptions": state.perceptions,
     }
+    if parameters is not None:
+        header["parameters"] = dict(parameters)
+    text = json.dumps(header)
+    if len(text) > _MAX_HEADER:
+        raise MapFileError(f"cannot write '{path}': its parameters take {len(text)} bytes")
     with (
         atomic_write(_checked_path(path)) as file,
         zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive,
     ):
-        archive.writestr(_HEADER, json.dumps(header))
+        archive.writestr(_HEADER, text)
         for name in _ARRAYS:
             with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
                 np.lib.format.write_array(member, getattr(state, name), allow_pickle=False)
@@ -139,6 +185,31 @@ def load_map(path: str | Path, geometry: GridGeometry | None = None) -> MapState
     MapFileError
         If the file cannot be read, is no map file, is of a later version or another grid, or is
         damaged.
+    """
+    return load_map_and_parameters(path, geometry)[0]
+
+
+def load_map_and_parameters(
+    path: str | Path, geometry: GridGeometry | None = None
+) -> tuple[MapState, dict[str, Any] | None]:
+    """Read a state from a file, and with which parameters it came about.
+
+    Parameters
+    ----------
+    path, geometry
+        As for `load_map`.
+
+    Returns
+    -------
+    state : MapState
+        Equal, to the last bit, to the one that was saved.
+    parameters : dict or None
+        As given to `save_map`, sequences as lists; None if the file does not tell.
+
+    Raises
+    ------
+    MapFileError
+        As `load_map`.
     """
     path = _checked_path(path)
     try:
@@ -183,7 +254,9 @@ def _check_directory(file: IO[bytes]) -> None:
         raise MapFileError("its directory is not that of a map file")
 
 
-def _read(archive: zipfile.ZipFile, wanted: GridGeometry | None) -> MapState:
+def _read(
+    archive: zipfile.ZipFile, wanted: GridGeometry | None
+) -> tuple[MapState, dict[str, Any] | None]:
     members = {info.filename: info for info in archive.infolist()}
     expected = [_HEADER, *(f"{name}.npy" for name in _ARRAYS)]
     if sorted(info.filename for info in archive.infolist()) != sorted(expected):
@@ -204,11 +277,15 @@ def _read(archive: zipfile.ZipFile, wanted: GridGeometry | None) -> MapState:
             f"it is of the grid {geometry}, this map of {wanted}; start the mapper with the area "
             f"and resolution of the saved map"
         )
+    parameters = header.get("parameters")
+    if not (parameters is None or isinstance(parameters, dict)):
+        raise MapFileError("its parameters are no mapping")
     arrays = {
         name: _array(archive, members[f"{name}.npy"], geometry, np.dtype(kind))
         for name, kind in _ARRAYS.items()
     }
-    return MapState(geometry, **arrays, perceptions=header.get("perceptions"))
+    state = MapState(geometry, **arrays, perceptions=header.get("perceptions"))
+    return state, parameters
 
 
 def _geometry(header: Any) -> GridGeometry:

@@ -48,6 +48,7 @@ __all__ = [
     "InfraredParameters",
     "MapperParameters",
     "PerceptionParameters",
+    "SnapshotParameters",
     "SonarGuardParameters",
     "SonarParameters",
     "TurretParameters",
@@ -193,6 +194,29 @@ class PerceptionParameters:
 
 
 @dataclass(frozen=True)
+class SnapshotParameters:
+    """What the mapper keeps on disk for the one that takes its place."""
+
+    file: str = parameter(
+        "",
+        doc="file that the mapper keeps its state in, and goes on from when it starts; of each "
+        "mapper its own. Empty: none",
+        read_only=True,
+    )
+    period: float = parameter(
+        1.0,
+        doc="least time from one snapshot to the next, in wall time; writing takes at most a "
+        "tenth of the time all the same",
+        unit="s",
+        minimum=0.05,
+        maximum=3600.0,
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@dataclass(frozen=True)
 class MapperParameters:
     """All parameters of the mapper."""
 
@@ -229,6 +253,7 @@ class MapperParameters:
     area: AreaParameters = field(default_factory=AreaParameters)
     turret: TurretParameters = field(default_factory=TurretParameters)
     perception: PerceptionParameters = field(default_factory=PerceptionParameters)
+    snapshot: SnapshotParameters = field(default_factory=SnapshotParameters)
 
     def __post_init__(self) -> None:
         validate(self)

@@ -33,6 +33,8 @@ class MapPublisher:
         self._motion = node.create_publisher(OccupancyGrid, names.MOTION_MAP, qos.LATCHED)
         self._planning = node.create_publisher(OccupancyGrid, names.PLANNING_MAP, qos.LATCHED)
         self._occupancy = node.create_publisher(OccupancyGrid, names.MAP, qos.LATCHED)
+        #: Whether a map that tells something was published before simulated time had begun.
+        self.undated = False
         self.publish(mapper)
         node.create_service(
             GetMap, names.GET_MOTION_MAP, self._get_motion_map, qos_profile=qos.REQUESTS
@@ -52,7 +54,9 @@ class MapPublisher:
             Stamp of the newest reading in them [s]. The maps' stamp is the present time, but
             never before this one: readings can arrive before the /clock of their time.
         """
-        stamp = stamp_from_seconds(max(now_seconds(self._node), newest))
+        now = now_seconds(self._node)
+        self.undated = now == 0.0 and mapper.perceptions > 0
+        stamp = stamp_from_seconds(max(now, newest))
         geometry = mapper.geometry
         self._motion_map = grid_to_msg(risk_to_int8(mapper.motion_risk), geometry, stamp)
         self._planning_map = grid_to_msg(risk_to_int8(mapper.planning_risk), geometry, stamp)

@@ -42,6 +42,7 @@ from fuzzy_map_building.ros.diagnostics import Diagnostics
 from fuzzy_map_building.ros.map_publisher import MapPublisher
 from fuzzy_map_building.ros.parameters import declare_parameters
 from fuzzy_map_building.ros.run import spin_node
+from fuzzy_map_building.ros.snapshots import SnapshotWriter
 from fuzzy_map_building.types import RangeReading, SonarReading
 
 __all__ = ["MapperNode", "main"]
@@ -84,10 +85,14 @@ class MapperNode(Node):
         self._gatherer = InfraredGatherer(p)
         self._packet: list[SonarReading] = []
         self._folder = MapFolder(p.map_folder)
+        self._snapshots = SnapshotWriter(self.get_fully_qualified_name(), p)
+        restored, refusal = self._restore()
         self._maps = MapPublisher(self, self._mapper)
         self._turret = self.create_publisher(Float64, names.TURRET_COMMAND, qos.RELIABLE)
         self._diagnostics = Diagnostics(self, self._diagnostic_values, self._problem)
         self._settings.on_refusal = self._diagnostics.reject
+        if refusal:
+            self._refuse_snapshot(f"the map begins empty: {refusal}")
         self._build_map = BuildMapServer(
             self,
             new_sequence=lambda: PerceptionSequence(self._settings.values),
@@ -111,11 +116,20 @@ class MapperNode(Node):
         self.get_logger().info(
             f"mapping {p.area.size_x:g} x {p.area.size_y:g} m in cells of "
             f"{p.area.resolution:g} m, {len(p.sonar.frame_ids)} sonars, mode {p.mode}"
+            f"{restored and '; ' + restored}"
         )
 
     def on_stop(self) -> None:
         """End a perception before the node goes, so that its client learns of it."""
         self._build_map.abort("the mapper was stopped")
+        self._snapshots.close(self._mapper, self._refuse_snapshot)
+
+    def _restore(self) -> tuple[str, str]:
+        """Go on from the snapshot; return what was done, and why it could not be."""
+        try:
+            return self._snapshots.restore(self._mapper), ""
+        except ValueError as error:
+            return "", str(error)
 
     # What comes in: converted, handed to the core, refused where it must be.
 
@@ -184,6 +198,10 @@ class MapperNode(Node):
             self._take(reading)
         self._count_refusals()
         self._build_map.advance(now)
+        if self._maps.undated and now > 0.0:
+            self._maps.publish(self._mapper)
+        period = self._settings.values.snapshot.period
+        self._snapshots.advance(self._mapper, period, self._refuse_snapshot)
 
     def _take(self, reading: SonarReading) -> None:
         if self._build_map.sequence is not None:
@@ -205,6 +223,7 @@ class MapperNode(Node):
                 text = EXPLANATIONS.get(reason, reason)
                 self._diagnostics.reject(source, reason, text, count)
         if report.accepted:
+            self._snapshots.changed(report.window)
             # Where a perception was made the robot stood, and its sweeps are in the packet.
             standing = self._build_map.sequence is not None
             self._gatherer.restart(readings[0].pose if standing else None)
@@ -236,6 +255,7 @@ class MapperNode(Node):
 
     def _on_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         self._mapper.reset()
+        self._snapshots.discard(self._refuse_snapshot)
         self._forget_readings()
         self._maps.publish(self._mapper)
         response.success = True
@@ -258,11 +278,15 @@ class MapperNode(Node):
             self._mapper.restore(load_map(file, self._mapper.geometry))
         except (ValueError, OSError) as error:
             return self._refuse(names.LOAD_MAP, response, error)
+        self._snapshots.discard(self._refuse_snapshot)
         self._forget_readings()
         self._maps.publish(self._mapper)
         response.success = True
         response.message = f"{self._mapper.perceptions} perceptions loaded from {file}"
         return response
+
+    def _refuse_snapshot(self, message: str) -> None:
+        self._diagnostics.reject("snapshot", "refused", message)
 
     def _refuse(
         self, service: str, response: MapFile.Response, error: Exception
@@ -289,6 +313,7 @@ class MapperNode(Node):
             "perceptions": self._mapper.perceptions,
             "perceiving": self._build_map.sequence is not None,
             "waiting_readings": self._assembler.waiting,
+            "snapshot_perceptions": self._snapshots.saved,
             "last_failure": self._build_map.failure,
         }
 

@@ -6,12 +6,18 @@ The robot's own drivers run elsewhere; topics are brought together by remapping:
 
     bringup --preset oriolo1998 --params-file robot.yaml --namespace robot1 \
         --ros-args -r pose:=/localisation/pose
+
+With ``--respawn`` a node that ends is started anew. The mapper then goes on from a snapshot in
+a folder that lives as long as bringup, unless a parameter file names another; the goal of a
+motion that has ended is gone.
 """
 
 from __future__ import annotations
 
 import argparse
+import contextlib
 import sys
+import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
@@ -20,7 +26,8 @@ from fuzzy_map_building.parameter_schema import suggest
 from fuzzy_map_building.params import PRESETS as MAPPER_PRESETS
 from fuzzy_map_building.ros.run import EXIT_REFUSED, stop_on_signals
 from fuzzy_navigation.params import MOTION_PRESETS, PLANNER_PRESETS
-from fuzzy_navigation.ros.processes import CLEAN_ENDS, ProcessGroup, python_module
+from fuzzy_navigation.ros.processes import CLEAN_ENDS, Ended, ProcessGroup, python_module
+from fuzzy_navigation.ros.respawn import DEFAULT_LIMIT, STEADY, keep_running
 
 __all__ = ["NODES", "main", "node_commands"]
 
@@ -39,6 +46,7 @@ def node_commands(
     params_files: Sequence[str | Path] = (),
     namespace: str = "",
     ros_arguments: Sequence[str] = (),
+    snapshot: str | Path = "",
 ) -> dict[str, list[str]]:
     """Return the command of each of the three nodes by name.
 
@@ -52,6 +60,9 @@ def node_commands(
         Namespace of the nodes, with or without the slash in front; empty: none.
     ros_arguments : sequence of str
         What else to give to all of them, as after ``--ros-args``.
+    snapshot : str or Path
+        File that the mapper keeps its state in unless the parameter files name another;
+        empty: none.
 
     Raises
     ------
@@ -71,13 +82,14 @@ def node_commands(
     commands = {}
     for name, (module, presets) in NODES.items():
         chosen = ["-p", f"preset:={preset}"] if preset in presets else []
-        arguments = [*common, *chosen, *ros_arguments]
+        kept = ["-p", f"snapshot.file:={snapshot}"] if snapshot and name == "mapper" else []
+        arguments = [*kept, *common, *chosen, *ros_arguments]
         commands[name] = python_module(module, *([_ROS_ARGS, *arguments] if arguments else []))
     return commands
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the three nodes until SIGINT or SIGTERM, or until one of them ends.
+    """Run the three nodes until SIGINT or SIGTERM, or until one of them ends for good.
 
     Parameters
     ----------
@@ -93,26 +105,43 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = list(sys.argv[1:] if arguments is None else arguments)
     split = given.index(_ROS_ARGS) if _ROS_ARGS in given else len(given)
     options = _parser().parse_args(given[:split])
-    try:
-        commands = node_commands(
-            options.preset, options.params_file, options.namespace, given[split + 1 :]
-        )
-    except ValueError as error:
-        print(f"bringup: {error}", file=sys.stderr, flush=True)
-        return EXIT_REFUSED
-    with stop_on_signals() as stop, ProcessGroup() as group:
+    with stop_on_signals() as stop, contextlib.ExitStack() as stack:
+        snapshot: str | Path = ""
+        if options.respawn:
+            folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="bringup_"))
+            snapshot = Path(folder) / "mapper.map"
+        try:
+            commands = node_commands(
+                options.preset,
+                options.params_file,
+                options.namespace,
+                given[split + 1 :],
+                snapshot,
+            )
+        except ValueError as error:
+            _say(str(error))
+            return EXIT_REFUSED
+        group = stack.enter_context(ProcessGroup())
         for name, command in commands.items():
             group.start(name, command)
         print(f"bringup: started {', '.join(commands)}; Ctrl-C stops them", flush=True)
-        first = group.wait(lambda: stop.requested)
+        first = keep_running(group, options.respawn, lambda: stop.requested, _say)
         if first is not None:
-            print(f"bringup: {first}; stopping the others", file=sys.stderr, flush=True)
+            _say(f"{first}; stopping the others")
         group.stop()
+    return _exit_code(first, group.ended)
+
+
+def _say(sentence: str) -> None:
+    print(f"bringup: {sentence}", file=sys.stderr, flush=True)
+
+
+def _exit_code(first: Ended | None, ends: Sequence[Ended]) -> int:
     if first is not None:
         return first.code if first.code > 0 else 1
-    failed = [ended for ended in group.ended if ended.code not in CLEAN_ENDS]
+    failed = [ended for ended in ends if ended.code not in CLEAN_ENDS]
     for ended in failed:
-        print(f"bringup: {ended}", file=sys.stderr, flush=True)
+        _say(str(ended))
     return 1 if failed else 0
 
 
@@ -131,7 +160,24 @@ def _parser() -> argparse.ArgumentParser:
         help="YAML file with parameters; may be given several times",
     )
     parser.add_argument("--namespace", default="", help="namespace of the robot")
+    parser.add_argument(
+        "--respawn",
+        nargs="?",
+        type=_count,
+        const=DEFAULT_LIMIT,
+        default=0,
+        metavar="N",
+        help="start a node anew that ends, at most N times (default: %(const)s) without "
+        f"{STEADY:g} s of running in between; the mapper goes on from its snapshot",
+    )
     return parser
+
+
+def _count(text: str) -> int:
+    count = int(text)
+    if count < 1:
+        raise argparse.ArgumentTypeError(f"must be at least 1, got {text}")
+    return count
 
 
 if __name__ == "__main__":

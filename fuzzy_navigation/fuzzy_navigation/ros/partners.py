@@ -5,6 +5,11 @@
 Each client has at most one request in hand. A newer one replaces it, and answers to what
 was replaced are not passed on. `watch` has to be called several times a second: it sends
 what could not be sent yet and gives up when a partner is missing.
+
+A partner that was killed says no farewell: for up to 20 s it seems to be there, and when it was
+started anew meanwhile, for ever. What was asked of it is then never answered. So each client
+looks at who publishes a topic that its partner publishes; somebody new there has not heard the
+request.
 """
 
 from __future__ import annotations
@@ -37,6 +42,35 @@ _ENDS: Final = {GoalStatus.STATUS_ABORTED: "aborted", GoalStatus.STATUS_CANCELED
 _DECIMALS: Final = 6
 
 
+class _Renewal:
+    """Notices that a partner was started anew.
+
+    Parameters
+    ----------
+    node : Node
+        Who looks.
+    topic : str
+        A topic that the partner publishes.
+    """
+
+    def __init__(self, node: Node, topic: str) -> None:
+        self._node = node
+        self._topic = topic
+        self._known: frozenset[bytes] = frozenset()
+
+    def begin(self) -> None:
+        """Take note of who is there now."""
+        self._known = self._publishers()
+
+    def happened(self) -> bool:
+        """Whether somebody is there who was not at the beginning."""
+        return not self._publishers() <= self._known
+
+    def _publishers(self) -> frozenset[bytes]:
+        infos = self._node.get_publishers_info_by_topic(self._topic)
+        return frozenset(bytes(info.endpoint_gid) for info in infos)
+
+
 class MapperClient:
     """Has the mapper make perceptions, by the action ``build_map``.
 
@@ -50,6 +84,7 @@ class MapperClient:
 
     def __init__(self, node: Node, on_end: Callable[[int, bool, str], None]) -> None:
         self._client = ActionClient(node, BuildMap, names.BUILD_MAP)
+        self._renewal = _Renewal(node, f"{names.BUILD_MAP}/_action/status")
         self._on_end = on_end
         self._request: int | None = None
         self._deadline = 0.0
@@ -73,15 +108,19 @@ class MapperClient:
     def watch(self) -> None:
         """Send what could not be sent yet; give up when the mapper is missing."""
         ready = self._client.server_is_ready()
-        if not ready:
+        busy = self._handle is not None or (self._request is not None and self._sent)
+        renewed = ready and busy and self._renewal.happened()
+        if renewed or not ready:
             self._handle = None
         if self._request is None:
             return
         if self._sent:
-            if not ready:
-                self._end(self._request, False, "the mapper went away during the perception")
+            if renewed or not ready:
+                end = "was started anew" if renewed else "went away"
+                self._end(self._request, False, f"the mapper {end} during the perception")
         elif ready and self._handle is None:
             self._sent = True
+            self._renewal.begin()
             future = self._client.send_goal_async(BuildMap.Goal())
             future.add_done_callback(partial(self._on_response, self._request))
         elif time.monotonic() > self._deadline:
@@ -142,6 +181,7 @@ class PlannerClient:
         on_error: Callable[[int, str], None],
     ) -> None:
         self._client = node.create_client(PlanPath, names.PLAN_PATH)
+        self._renewal = _Renewal(node, names.PLAN)
         self._on_plan = on_plan
         self._on_error = on_error
         self._plan: Plan | None = None
@@ -176,6 +216,8 @@ class PlannerClient:
         if self._plan is None:
             return
         if self._client.service_is_ready():
+            if self._future is not None and self._renewal.happened():
+                self._forget()
             if self._future is None:
                 self._send(self._plan)
             return
@@ -192,6 +234,7 @@ class PlannerClient:
             barred=[Point(x=x, y=y) for x, y in plan.barred],
             hits=[Point(x=x, y=y) for x, y in plan.hits],
         )
+        self._renewal.begin()
         self._future = self._client.call_async(request)
         self._future.add_done_callback(self._on_response)
 

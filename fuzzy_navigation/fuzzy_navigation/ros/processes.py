@@ -137,6 +137,7 @@ class ProcessGroup:
     def __init__(self, grace: float = GRACE) -> None:
         self._grace = grace
         self._running: dict[str, subprocess.Popen[bytes]] = {}
+        self._starts: dict[str, Callable[[], subprocess.Popen[bytes]]] = {}
         self._ended: list[Ended] = []
         self._guardian = subprocess.Popen(
             [sys.executable, "-I", "-S", "-c", _GUARDIAN, str(grace)],
@@ -197,18 +198,47 @@ class ProcessGroup:
         OSError
             If the program cannot be started.
         """
-        if name in self._running or any(e.name == name for e in self._ended):
+        if name in self._starts:
             raise ValueError(f"a process '{name}' was started before; give each its own name")
+        variables = dict(child_environment() if env is None else env)
+
+        def start() -> subprocess.Popen[bytes]:
+            return subprocess.Popen(
+                command,
+                env=variables,
+                stdin=subprocess.DEVNULL,
+                stdout=stdout,
+                stderr=stderr,
+                start_new_session=True,
+            )
+
+        pid = self._start(name, start)
+        self._starts[name] = start
+        return pid
+
+    def restart(self, name: str) -> int:
+        """Start a process that has ended once more, as before, and return its id.
+
+        Files that it was given must still be open. `ended` tells of its former end no longer.
+
+        Raises
+        ------
+        ValueError
+            If it has not ended, or the group was stopped.
+        OSError
+            If the program cannot be started.
+        """
+        former = [ended for ended in self.ended if ended.name == name]
+        if not former:
+            raise ValueError(f"no process '{name}' has ended")
+        pid = self._start(name, self._starts[name])
+        self._ended.remove(former[0])
+        return pid
+
+    def _start(self, name: str, start: Callable[[], subprocess.Popen[bytes]]) -> int:
         if self._guardian.poll() is not None:
             raise ValueError(f"cannot start '{name}': the group was stopped")
-        process = subprocess.Popen(
-            command,
-            env=dict(child_environment() if env is None else env),
-            stdin=subprocess.DEVNULL,
-            stdout=stdout,
-            stderr=stderr,
-            start_new_session=True,
-        )
+        process = start()
         self._running[name] = process
         self._tell_guardian(f"+{process.pid}\n")
         return process.pid

@@ -82,7 +82,7 @@ class SimulationParameters(SimulatorParameters):
     )
     command_timeout: float = parameter(
         0.5,
-        doc="simulated time after which the robot stops when no command comes",
+        doc="simulated time after which the robot stands when no command comes: it brakes before",
         unit="s",
         minimum=0.05,
         maximum=60.0,

@@ -57,6 +57,8 @@ RESET_JUMP: Final = 2_000_000_000
 ABSURD: Final = 10.0
 #: Simulated time between two looks at whether moving obstacles have moved [ns].
 TRUTH_PERIOD: Final = 1_000_000_000
+#: Difference of times that is due to rounding [s].
+TOLERANCE: Final = 1e-6
 #: Share of the wanted rate below which the simulator counts as too slow.
 SLOW: Final = 0.9
 #: Groups of parameters that the simulator takes over only when it begins anew.
@@ -134,8 +136,8 @@ class SimNode(Node):
 
     def _tick(self) -> None:
         simulator = self._simulator
-        age = simulator.nanoseconds - self._commanded_at
-        if age >= self._settings.values.command_timeout * 1e9:
+        age = 1e-9 * (simulator.nanoseconds - self._commanded_at)
+        if age >= TICK and age + TICK > self._patience:
             self._command = (0.0, 0.0)
             self._gate.disengage()
         simulator.step(*self._command, TICK)
@@ -143,6 +145,17 @@ class SimNode(Node):
         self._sensors.publish(simulator, told, self._epoch)
         if self._world.moving and simulator.nanoseconds - self._truth_at >= TRUTH_PERIOD:
             self._publish_truth()
+
+    @property
+    def _patience(self) -> float:
+        """Age of a command [s] at which the robot brakes, so that it stands in good time."""
+        robot, velocity = self._simulator.parameters.robot, self._simulator.velocity
+        braking = max(
+            abs(velocity.linear) / robot.linear_deceleration,
+            abs(velocity.angular) / robot.angular_acceleration,
+        )
+        # A command whose age is exactly the timeout is as old as it may become.
+        return self._settings.values.command_timeout - braking + TOLERANCE
 
     def _publish_truth(self) -> None:
         """Publish which cells are occupied, if they are not the same as before."""

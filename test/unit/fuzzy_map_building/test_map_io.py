@@ -159,8 +159,9 @@ def write(path: Path, header: object, **arrays: np.ndarray) -> None:
         ({**HEADER, "perceptions": 3}, "perceptions is 3"),
         ({**HEADER, "perceptions": None}, "perceptions must be whole"),
         ("{", "damaged"),
-        ("[" * 4000, "damaged"),
-        (" " * 5000, "header has 5000 bytes"),
+        ({**HEADER, "parameters": [1]}, "parameters are no mapping"),
+        ("[" * 60000, "damaged"),
+        (" " * 70000, "header has 70000 bytes"),
     ],
 )
 def test_a_wrong_header_is_refused(tmp_path: Path, header: object, message: str) -> None:
