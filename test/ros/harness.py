@@ -30,7 +30,7 @@ from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 import rclpy
-from rclpy.action import ActionClient
+from rclpy.action import ActionClient, ActionServer
 from rclpy.action.client import ClientGoalHandle
 from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
@@ -164,15 +164,23 @@ class Probe:
         return result
 
     def close(self) -> None:
-        """End the thread and leave the domain."""
+        """End the thread and leave the domain.
+
+        Actions are ended first, by the thread that spins: destroying the node would leave
+        them for others to find, and their goals keep servers alive as long as they live.
+        """
+        self.end_actions()
         self._stop = True
         self._thread.join(DEADLINE)
         self._executor.shutdown()
-        for waitable in list(self.node.waitables):
-            if isinstance(waitable, ActionClient):
-                waitable.destroy()
         self.node.destroy_node()
         rclpy.try_shutdown(context=self._context)
+
+    def end_actions(self) -> None:
+        """Offer and use no action any more."""
+        for waitable in list(self.node.waitables):
+            if isinstance(waitable, (ActionServer, ActionClient)):
+                self.run(waitable.destroy)
 
     def subscribe(self, kind: type[T], topic: str, profile: QoSProfile) -> Received[T]:
         """Subscribe to a topic and keep all that comes."""

@@ -13,7 +13,6 @@ from typing import Any
 from diagnostic_msgs.msg import DiagnosticArray
 from fuzzy_msgs.action import Navigate
 from geometry_msgs.msg import PoseStamped
-from rclpy.action import ActionClient, ActionServer
 from rclpy.action.client import ClientGoalHandle
 
 from fuzzy_map_building.ros import names, qos
@@ -75,10 +74,8 @@ class Scene:
         self.feedback.clear()
 
     def close(self) -> None:
-        """End the actions: destroying the node would leave them for others to find."""
-        for waitable in tuple(self.probe.node.waitables):
-            if isinstance(waitable, (ActionServer, ActionClient)):
-                self.probe.run(waitable.destroy)
+        """End the actions while the motion still runs."""
+        self.probe.end_actions()
 
     def send(self, goal: PoseStamped, tolerance: float = 0.0) -> Any:
         """Send a goal and return its handle."""
