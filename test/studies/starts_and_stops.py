@@ -29,11 +29,12 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
+from diagnostic_msgs.msg import DiagnosticArray
 from fuzzy_msgs.action import BuildMap, Navigate
-from geometry_msgs.msg import PoseStamped, Twist
+from geometry_msgs.msg import Twist
 
 from fuzzy_map_building.ros import names, qos
-from ros.harness import START_DEADLINE, NodeProcess, Probe, wait_until
+from ros.harness import NodeProcess, Probe, Received, wait_until
 from ros.motion_scene import goal_at
 
 SIM = {"world": "lab", "rate": 0.0, "lockstep": True}
@@ -44,8 +45,9 @@ SHARED_MEMORY = Path("/dev/shm")
 CLEAN = {"demo": 130}
 #: Words that no output of a clean stop has.
 FAULTS = ("Traceback", "terminate called", "Segmentation", "never retrieved", "Exception ignored")
-#: Longest time to wait for the end of a process [s].
-PATIENCE = 30.0
+#: Longest time to wait for the end of a process, and for a mission to begin [s].
+PATIENCE, DEADLINE = 30.0, 300.0
+NODES = {names.SIMULATOR_NODE, names.MAPPER_NODE, names.PLANNER_NODE, names.MOTION_NODE}
 
 
 class Tally:
@@ -146,6 +148,10 @@ def _command(entry: Path) -> str:
     return (entry / "cmdline").read_bytes().replace(b"\0", b" ").decode(errors="replace").strip()
 
 
+def _speakers(said: Received[DiagnosticArray]) -> set[str]:
+    return {status.name for message in list(said.messages) for status in message.status}
+
+
 @contextmanager
 def _mission(probe: Probe, play: Round) -> Iterator[None]:
     """Send the robot off, and go on at a moment of its mission."""
@@ -153,11 +159,12 @@ def _mission(probe: Probe, play: Round) -> Iterator[None]:
         BuildMap.Impl.FeedbackMessage, "build_map/_action/feedback", qos.RELIABLE
     )
     driven = probe.subscribe(Twist, names.CMD_VEL, qos.RELIABLE)
-    poses = probe.subscribe(PoseStamped, names.POSE, qos.RELIABLE)
-    poses.wait_for(timeout=START_DEADLINE)
+    said = probe.subscribe(DiagnosticArray, names.DIAGNOSTICS, qos.RELIABLE)
+    wait_until(lambda: _speakers(said) == NODES, "all nodes", DEADLINE)
+    said.clear()
     client = probe.action_client(Navigate, names.NAVIGATE)
     probe.send_goal(client, Navigate.Goal(goal=goal_at(*GOAL)))
-    wait_until(lambda: len(built) > 0 and len(driven) > 0, "the mission to begin", START_DEADLINE)
+    wait_until(lambda: len(built) > 0 and len(driven) > 0, "the mission to begin", DEADLINE)
     time.sleep(play.rng.uniform(0.0, 3.0))
     yield
 
@@ -193,10 +200,13 @@ def with_demo(play: Round) -> None:
         "demo", None, "--rate", "0", "--domain", DOMAIN, "--output", str(play.folder / "demo")
     )
     try:
-        demo.wait_for_output("perception")
+        demo.wait_for_output("perception", DEADLINE)
         time.sleep(play.rng.uniform(0.0, 2.0))
         play.stop([demo])
     finally:
+        if demo.running:
+            demo.send(signal.SIGTERM)
+            demo.wait(PATIENCE)
         demo.close()
 
 
