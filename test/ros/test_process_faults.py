@@ -7,6 +7,7 @@ from __future__ import annotations
 import itertools
 import os
 import signal
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -23,6 +24,7 @@ from fuzzy_map_building.map_state import MapState
 from fuzzy_map_building.params import mapper_parameters
 from fuzzy_map_building.ros import names, qos
 from fuzzy_map_building.ros.conversions import stamped_pose_from_msg
+from nomad_sim.ros.sim_node import TICK
 from ros.harness import START_DEADLINE, NodeProcess, Probe, Received, wait_until
 from ros.motion_scene import goal_at
 from ros.room import stamp
@@ -64,12 +66,21 @@ def speeds(poses: list[PoseStamped]) -> list[tuple[float, float]]:
     ]
 
 
+def _silent(received: Received[PoseStamped], seconds: float) -> bool:
+    """Whether nothing comes for some wall time."""
+    count, end = len(received), time.monotonic() + seconds
+    while len(received) == count and time.monotonic() < end:
+        time.sleep(0.01)
+    return len(received) == count
+
+
 def test_killed_nodes_come_back_and_the_robot_stands_meanwhile(
     probe: Probe, start_node: Start
 ) -> None:
     mapper, motion = Status(probe, names.MAPPER_NODE), Status(probe, names.MOTION_NODE)
     truth = probe.subscribe(PoseStamped, names.GROUND_TRUTH_POSE, qos.RELIABLE)
-    start_node("sim", parameters={"world": "lab", "rate": 8, "lockstep": True})
+    given = {"world": "lab", "rate": 8, "lockstep": True, "lockstep_timeout": 2.0}
+    start_node("sim", parameters=given)
     arguments = ["--respawn", "--ros-args", "-p", "use_sim_time:=true"]
     bringup = start_node("bringup", arguments=arguments)
     client = probe.action_client(Navigate, names.NAVIGATE)
@@ -91,13 +102,16 @@ def test_killed_nodes_come_back_and_the_robot_stands_meanwhile(
 
     # The motion: the robot stands.
     truth.clear()
-    wait_until(lambda: any(v > 0.2 for _, v in speeds(list(truth.messages)[-3:])), "the drive")
-    os.kill(children(bringup.pid)["motion"], signal.SIGKILL)
-    killed = stamp(truth.last)
-    truth.wait_for(lambda message: stamp(message) > killed + 1.5)
-    after = [(t, v) for t, v in speeds(list(truth.messages)) if t > killed]
-    # Commands that were on their way may count from a tick or two after the kill.
-    assert max(v for t, v in after if t > killed + 0.6 + 1e-6) < 1e-9
+    victim = children(bringup.pid)["motion"]
+    wait_until(lambda: any(v > 0.2 for _, v in speeds(truth.messages[-3:])), "the drive")
+    os.kill(victim, signal.SIGKILL)
+    # The simulator waits for the command that does not come: the last one is a tick old then.
+    wait_until(lambda: _silent(truth, 1.0), "the simulator to wait")
+    commanded = stamp(truth.last) - TICK
+    truth.wait_for(lambda message: stamp(message) > commanded + 2.0)
+    after = [(t, v) for t, v in speeds(truth.messages) if t > commanded + TICK / 2]
+    assert after[0][1] > 0.05, "it did not drive: the test is void"
+    assert max(v for t, v in after if t > commanded + 0.5 + TICK / 2) == 0.0
     # Its goal is gone; the new one takes another.
     motion.forget()
     motion.wait(lambda v: v["active"] == "False", "a new motion")
