@@ -20,171 +20,127 @@ reading i was taken.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+import math
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzy_map_building.evidence_params import ConsistencyParameters
-from fuzzy_map_building.sonar_packet import SonarPacket
+from fuzzy_map_building.directivity import lobe_at
+from fuzzy_map_building.jit import njit
+from fuzzy_map_building.sonar_packet import (
+    APEX_X,
+    APEX_Y,
+    AXIS_X,
+    AXIS_Y,
+    DIRECTION,
+    EMPTY,
+    OCCUPIED,
+)
 
-__all__ = ["ConeConsistency"]
+__all__ = ["consistency", "find_vetoes", "greatest_rest"]
 
 FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 #: Slack of a comparison of angles [rad], so that equal ones do not depend on rounding.
 _ROUNDING = 1e-9
-#: Pairs of readings compared at a time; bounds the memory of a packet of many readings.
-_PAIRS_A_PASS = 1_000_000
 
 
-@dataclass(frozen=True)
-class ConeConsistency:
-    """The vetoes against each reading of a packet, one row each.
+@njit
+def find_vetoes(
+    i: int,
+    cones: FloatArray,
+    forward: float,
+    half_angle: float,
+    half_width: float,
+    threshold: float,
+    ramp: float,
+    max_offset: float,
+    vetoes: FloatArray,
+) -> int:
+    """Collect the vetoes of a packet's readings against one of them.
 
-    Attributes
+    Parameters
     ----------
-    offset : ndarray of float64, shape (n, k)
-        Direction [rad] of each vetoing reading from the axis of the vetoed one.
-    strength : ndarray of float64, shape (n, k)
-        How much it vetoes, in [0, 1]; 0 fills up the rows.
-    scale : ndarray of float64, shape (n,)
-        Maximum of ``sqrt(D) c`` over the cone.
-    parameters : ConsistencyParameters
+    i : int
+        Number of the vetoed reading, which speaks of an arc.
+    cones, forward
+        Of the `SonarPacket`, with all of its readings, also those that do not see the map.
+    half_angle : float
+        Half of a cone's angle [rad].
+    half_width, threshold, ramp, max_offset : float
+        The rule, see `ConsistencyParameters`.
+    vetoes : ndarray of float64, shape (2 n,)
+        Where they go: direction [rad] from the axis of the vetoed reading, and strength in
+        ]0, 1], of one veto after the other.
+
+    Returns
+    -------
+    int
+        Number of vetoes.
     """
-
-    offset: FloatArray
-    strength: FloatArray
-    scale: FloatArray
-    parameters: ConsistencyParameters
-
-    @classmethod
-    def of_packet(
-        cls,
-        packet: SonarPacket,
-        half_angle: float,
-        directivity: Callable[[FloatArray], FloatArray],
-        parameters: ConsistencyParameters,
-    ) -> ConeConsistency:
-        """Let the readings of a packet judge one another.
-
-        Parameters
-        ----------
-        packet : SonarPacket
-            All of its readings, also those that do not see the map.
-        half_angle : float
-            Half of the cone's angle [rad].
-        directivity : callable
-            D of angles from the axis [rad] within the cone, equation (1).
-        parameters : ConsistencyParameters
-            The rule.
-        """
-        offset, strength = _vetoes(packet, half_angle, parameters)
-        undecided = cls(offset, strength, np.ones(len(packet)), parameters)
-        return cls(offset, strength, undecided._scale(half_angle, directivity), parameters)
-
-    def select(self, chosen: NDArray[np.bool_]) -> ConeConsistency:
-        """Return the vetoes against the readings where `chosen`, shape (n,), is True."""
-        return ConeConsistency(
-            self.offset[chosen], self.strength[chosen], self.scale[chosen], self.parameters
-        )
-
-    def weights(self, reading: IntArray, theta: FloatArray, modulation: FloatArray) -> FloatArray:
-        """Return w of directions in the cones of readings.
-
-        Parameters
-        ----------
-        reading : ndarray of int64, shape (m,)
-            Number of the reading.
-        theta : ndarray of float64, shape (m,)
-            Angle [rad] from the reading's axis, counter-clockwise.
-        modulation : ndarray of float64, shape (m,)
-            D of these angles.
-
-        Returns
-        -------
-        ndarray of float64, shape (m,)
-            In [0, 1]; it stands in place of D.
-        """
-        scale = self.scale[reading]
-        remaining = np.sqrt(modulation) * self._consistency(reading, theta)
-        remains = scale > self.parameters.floor
-        scaled = np.minimum(remaining / np.where(remains, scale, 1.0), 1.0)
-        return np.where(remains, scaled, modulation)
-
-    def _consistency(self, reading: IntArray, theta: FloatArray) -> FloatArray:
-        """Return c at angles from the axes of readings, shape (m,)."""
-        width = self.parameters.half_width + _ROUNDING
-        veto = np.zeros(len(reading))
-        for offset, strength in zip(self.offset.T, self.strength.T, strict=True):
-            looks = np.abs(theta - offset[reading]) <= width
-            np.maximum(veto, np.where(looks, strength[reading], 0.0), out=veto)
-        return 1.0 - veto
-
-    def _scale(
-        self, half_angle: float, directivity: Callable[[FloatArray], FloatArray]
-    ) -> FloatArray:
-        """Return the maximum of ``sqrt(D) c`` over each cone, shape (n,).
-
-        c is constant between the borders of where readings look, and D falls from the axis
-        on: the maximum lies on the axis, or where a veto ends.
-        """
-        count, vetoes = self.offset.shape
-        scale = self._consistency(np.arange(count), np.zeros(count))
-        sides = np.array([-1.0, 1.0])
-        width = self.parameters.half_width + _ROUNDING
-        for number in range(vetoes):
-            border = self.offset[:, number, None] + sides * self.parameters.half_width
-            # Just beyond the border, where this veto is over and others may have begun.
-            beyond = border + sides * 2.0 * _ROUNDING
-            looks = np.abs(beyond[:, :, None] - self.offset[:, None, :]) <= width
-            veto = np.where(looks, self.strength[:, None, :], 0.0).max(axis=2)
-            arc = np.sqrt(directivity(np.clip(border, -half_angle, half_angle)))
-            ends = (self.strength[:, number, None] > 0.0) & (np.abs(border) <= half_angle)
-            remaining = np.where(ends, arc * (1.0 - veto), 0.0)
-            np.maximum(scale, remaining.max(axis=1), out=scale)
-        return scale
+    ux = cones[i, AXIS_X]
+    uy = cones[i, AXIS_Y]
+    own = cones[i, OCCUPIED] + forward + threshold
+    meet = half_angle + half_width + 2.0 * _ROUNDING
+    # Most readings look elsewhere, and the product of two axes tells so at once.
+    least_cosine = math.cos(min(meet, math.pi)) - _ROUNDING
+    # The robot's centre when the reading was taken.
+    x = cones[i, APEX_X] - forward * ux
+    y = cones[i, APEX_Y] - forward * uy
+    count = 0
+    for j in range(len(cones)):
+        vx = cones[j, AXIS_X]
+        vy = cones[j, AXIS_Y]
+        if not ux * vx + uy * vy >= least_cosine:
+            continue
+        away_x = cones[j, APEX_X] - forward * vx - x
+        away_y = cones[j, APEX_Y] - forward * vy - y
+        reach = max(cones[j, EMPTY], cones[j, OCCUPIED]) + forward
+        strength = (reach + away_x * ux + away_y * uy - own) / ramp
+        # Too far away for a float is no veto, either.
+        if not (strength > 0.0 and abs(away_y * ux - away_x * uy) <= max_offset):
+            continue
+        turn = (cones[j, DIRECTION] - cones[i, DIRECTION] + math.pi) % (2.0 * math.pi) - math.pi
+        if abs(turn) <= meet:
+            vetoes[2 * count] = turn
+            vetoes[2 * count + 1] = min(strength, 1.0)
+            count += 1
+    return count
 
 
-def _vetoes(
-    packet: SonarPacket, half_angle: float, parameters: ConsistencyParameters
-) -> tuple[FloatArray, FloatArray]:
-    """Return offset [rad] and strength of the vetoes against each reading, shape (n, k)."""
-    n = len(packet)
-    centre = packet.apex - packet.forward * packet.axis
-    reach = np.maximum(packet.empty_range, packet.occupied_range) + packet.forward
-    rows = max(1, _PAIRS_A_PASS // max(n, 1))
-    offsets, strengths = [], []
-    for start in range(0, n, rows):
-        part = slice(start, start + rows)
-        turn = packet.direction[None, :] - packet.direction[part, None]
-        turn = np.mod(turn + np.pi, 2.0 * np.pi) - np.pi
-        ux, uy = packet.axis[part, 0, None], packet.axis[part, 1, None]
-        # A reading that speaks of no arc has nothing to veto.
-        own = np.where(np.isfinite(packet.occupied_range[part]), reach[part], np.inf)
-        meet = half_angle + parameters.half_width + 2.0 * _ROUNDING
-        with np.errstate(over="ignore", invalid="ignore"):  # from too far away: no veto
-            apart = centre[None, :, :] - centre[part, None, :]
-            along = apart[..., 0] * ux + apart[..., 1] * uy
-            across = apart[..., 1] * ux - apart[..., 0] * uy
-            beside = (np.abs(across) <= parameters.max_offset) & (np.abs(turn) <= meet)
-            longer = reach[None, :] + along - own[:, None] - parameters.threshold
-            strength = np.where(beside, np.clip(longer / parameters.ramp, 0.0, 1.0), 0.0)
-        most = int(np.count_nonzero(strength, axis=1).max())
-        order = np.argsort(-strength, axis=1, kind="stable")[:, :most]
-        offsets.append(np.take_along_axis(turn, order, axis=1))
-        strengths.append(np.take_along_axis(strength, order, axis=1))
-    most = max((part.shape[1] for part in offsets), default=0)
-    return _stacked(offsets, most), _stacked(strengths, most)
+@njit
+def consistency(theta: float, vetoes: FloatArray, count: int, half_width: float) -> float:
+    """Return c at an angle [rad] from the axis of a reading with some vetoes."""
+    veto = 0.0
+    for k in range(count):
+        if vetoes[2 * k + 1] > veto and abs(theta - vetoes[2 * k]) <= half_width + _ROUNDING:
+            veto = vetoes[2 * k + 1]
+    return 1.0 - veto
 
 
-def _stacked(parts: list[FloatArray], columns: int) -> FloatArray:
-    """Return the parts below one another, filled up with 0 to a number of columns."""
-    out = np.zeros((sum(len(part) for part in parts), columns))
-    row = 0
-    for part in parts:
-        out[row : row + len(part), : part.shape[1]] = part
-        row += len(part)
-    return out
+@njit
+def greatest_rest(
+    vetoes: FloatArray,
+    count: int,
+    half_width: float,
+    half_angle: float,
+    table: FloatArray,
+    fineness: float,
+) -> float:
+    """Return the maximum of ``sqrt(D) c`` over the cone of a reading with some vetoes.
+
+    c is constant between the borders of where readings look, and D falls from the axis
+    on: the maximum lies on the axis, or where a veto ends.
+    """
+    most = consistency(0.0, vetoes, count, half_width)
+    for k in range(count):
+        for side in (-1.0, 1.0):
+            border = vetoes[2 * k] + side * half_width
+            if abs(border) > half_angle:
+                continue
+            arc = math.sqrt(lobe_at(table, fineness, math.sin(border) ** 2))
+            if arc > most:
+                # Just beyond the border, where this veto is over and others may have begun.
+                beyond = border + side * 2.0 * _ROUNDING
+                most = max(most, arc * consistency(beyond, vetoes, count, half_width))
+    return most

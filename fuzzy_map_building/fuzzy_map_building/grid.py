@@ -15,7 +15,9 @@ from numbers import Integral, Real
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["MAX_CELLS", "GridGeometry", "Window", "box_cells"]
+from fuzzy_map_building.jit import njit
+
+__all__ = ["MAX_CELLS", "GridGeometry", "Window", "cells_between", "centre_along"]
 
 #: Largest grid that is accepted [cells]: bounds every allocation that a request can cause.
 MAX_CELLS = 64_000_000
@@ -292,59 +294,44 @@ class GridGeometry:
         col0, col1 = clip(x - radius - self.origin[0], x + radius - self.origin[0], self.width)
         return Window(row0, row1, col0, col1)
 
-    def boxes(
-        self, low: NDArray[np.float64], high: NDArray[np.float64]
-    ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Return the cells that many axis-parallel boxes touch, clipped to the grid.
 
-        Parameters
-        ----------
-        low, high : ndarray of float64, shape (n, 2)
-            Corners (x, y) [m] of each box, both belonging to it.
-
-        Returns
-        -------
-        first, last : ndarray of int64, shape (n, 2)
-            Rows and columns [first, last) of each box, ``last <= first`` for a box that
-            lies outside the grid.
-        """
-        counts = np.array(self.shape)
-        # Clipped before they become whole numbers: far corners overflow an integer.
-        with np.errstate(over="ignore"):
-            first = np.floor((low - self.origin) / self.resolution)[:, ::-1]
-            last = np.floor((high - self.origin) / self.resolution)[:, ::-1] + 1.0
-        return (
-            np.clip(first, 0, counts).astype(np.int64),
-            np.clip(last, 0, counts).astype(np.int64),
-        )
+@njit
+def centre_along(origin: float, index: int, resolution: float) -> float:
+    """Return a coordinate [m] of a cell's centre by its row or column."""
+    return origin + (index + 0.5) * resolution
 
 
-def box_cells(
-    first: NDArray[np.int64], last: NDArray[np.int64]
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-    """Return the cells of many boxes, one box after the other, each row by row.
+@njit
+def cells_between(
+    low: float, high: float, origin: float, resolution: float, count: int
+) -> tuple[int, int]:
+    """Return the rows or columns that an interval touches, clipped to the grid.
 
     Parameters
     ----------
-    first, last : ndarray of int64, shape (n, 2)
-        Rows and columns [first, last) of each box.
+    low, high : float
+        The interval [m], both ends belonging to it; infinite ones and NaN may be given.
+    origin, resolution : float
+        Where the first cell begins, and the side of a cell [m].
+    count : int
+        Number of rows or columns.
 
     Returns
     -------
-    box, row, column : ndarray of int64, shape (cells of all boxes,)
-        Number of the box that the cell belongs to, and the cell.
+    first, last : int
+        Half open [first, last); empty, ``last == first``, where the interval is NaN or
+        lies outside the grid.
 
     Examples
     --------
-    >>> [v.tolist() for v in box_cells(np.array([[2, 5]]), np.array([[4, 7]]))]
-    [[0, 0, 0, 0], [2, 2, 3, 3], [5, 6, 5, 6]]
+    >>> cells_between(0.25, 0.31, 0.0, 0.1, 76), cells_between(-0.2, 0.05, 0.0, 0.1, 76)
+    ((2, 4), (0, 1))
     """
-    size = last - first
-    cells = size[:, 0] * size[:, 1]
-    box = np.repeat(np.arange(len(cells)), cells)
-    place = np.arange(len(box)) - np.repeat(np.cumsum(cells) - cells, cells)
-    columns = np.repeat(size[:, 1], cells)
-    row = place // columns
-    column = place - row * columns + np.repeat(first[:, 1], cells)
-    row += np.repeat(first[:, 0], cells)
-    return box, row, column
+    first = (low - origin) / resolution
+    last = (high - origin) / resolution
+    if not (first < count and last >= 0.0 and first <= last):
+        return 0, 0
+    # Clipped before they become whole numbers: far ends overflow an integer.
+    row0 = math.floor(first) if first > 0.0 else 0
+    row1 = math.floor(last) + 1 if last < count else count
+    return row0, row1

@@ -15,14 +15,24 @@ packet are united by the maximum: they see the same surface, and none of them is
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy_map_building.evidence.protocols import LocalEvidence
-from fuzzy_map_building.grid import GridGeometry, Window, box_cells
-from fuzzy_map_building.infrared_packet import InfraredPacket
+from fuzzy_map_building.grid import GridGeometry, Window, cells_between, centre_along
+from fuzzy_map_building.infrared_packet import (
+    CENTRE_X,
+    CENTRE_Y,
+    HIT,
+    LIMIT,
+    RAY_X,
+    RAY_Y,
+    InfraredPacket,
+)
+from fuzzy_map_building.jit import for_kernel, njit
 from fuzzy_map_building.params import InfraredEvidenceParameters, InfraredParameters
 from fuzzy_map_building.types import InfraredReading
 
@@ -31,8 +41,6 @@ __all__ = ["InfraredModel"]
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-#: Cells looked at in one pass; bounds the memory of a packet of many long rays.
-_CELLS_A_PASS = 1_000_000
 #: Slack of comparisons of lengths [m], so that equal ones do not depend on rounding.
 _SLACK = 1e-9
 
@@ -50,7 +58,10 @@ class InfraredModel:
 
     def __init__(self, infrared: InfraredParameters, evidence: InfraredEvidenceParameters) -> None:
         self._infrared = infrared
-        self._evidence = evidence
+        self._farthest = float(infrared.mount_radius + infrared.max_range)
+        self._certainty = float(evidence.certainty)
+        self._margin = float(evidence.range_margin)
+        self._widening = float(evidence.widening)
 
     def evidence(
         self, readings: Sequence[InfraredReading], geometry: GridGeometry
@@ -70,94 +81,162 @@ class InfraredModel:
             Readings are rejected as ``nan``, ``out_of_range`` or ``outside_map`` (no part of
             the ray's box lies in the grid).
         """
-        packet = InfraredPacket.from_readings(readings, self._infrared)
-        first, last = geometry.boxes(*self._boxes(packet, geometry))
-        inside: NDArray[np.bool_] = np.all(last > first, axis=1)
+        return self.evidence_of(InfraredPacket.from_readings(readings, self._infrared), geometry)
+
+    def evidence_of(self, packet: InfraredPacket, geometry: GridGeometry) -> LocalEvidence:
+        """Return what a packet says, as `evidence` does."""
+        rays = for_kernel(packet.rays)
+        boxes = np.empty((len(packet), 4), dtype=np.int64)
+        model = (self._farthest, self._margin, self._widening)
+        grid = (*geometry.origin, geometry.resolution)
+        inside, *corners = _find_boxes(rays, *model, *grid, *geometry.shape, for_kernel(boxes))
         rejected = dict(packet.rejected)
-        if not inside.all():
-            rejected["outside_map"] = int((~inside).sum())
-            packet, first, last = packet.select(inside), first[inside], last[inside]
-        if len(packet) == 0:
-            nothing = np.zeros((0, 0))
-            return LocalEvidence(Window(0, 0, 0, 0), nothing, nothing, 0, rejected)
+        if inside < len(packet):
+            rejected["outside_map"] = len(packet) - inside
+        window = Window(*corners)
+        empty, occupied = np.zeros((2, *window.shape))
+        if inside > 0:
+            _unite(
+                rays,
+                for_kernel(boxes),
+                window.row0,
+                window.col0,
+                *grid,
+                *model,
+                self._certainty,
+                for_kernel(empty),
+                for_kernel(occupied),
+            )
+        return LocalEvidence(window, empty, occupied, inside, rejected)
 
-        row0, col0 = (int(v) for v in first.min(axis=0))
-        row1, col1 = (int(v) for v in last.max(axis=0))
-        window = Window(row0, row1, col0, col1)
-        empty, occupied = np.zeros((2, window.shape[0] * window.shape[1]))
-        for cell, e, o in self._rays(packet, first, last, window, geometry):
-            np.maximum.at(empty, cell, e)
-            np.maximum.at(occupied, cell, o)
-        return LocalEvidence(
-            window,
-            empty.reshape(window.shape),
-            occupied.reshape(window.shape),
-            len(packet),
-            rejected,
+
+@njit
+def _reach(hit: float, limit: float, farthest: float, margin: float) -> tuple[float, float]:
+    """Return how far from the centre [m] a ray speaks of empty, and of anything."""
+    seen = hit < math.inf
+    empty = min(hit if seen else farthest, limit)
+    return empty, max(empty, hit + margin if seen else 0.0, 0.0)
+
+
+@njit
+def _find_boxes(
+    rays: FloatArray,
+    farthest: float,
+    margin: float,
+    widening: float,
+    origin_x: float,
+    origin_y: float,
+    resolution: float,
+    height: int,
+    width: int,
+    boxes: IntArray,
+) -> tuple[int, int, int, int, int]:
+    """Find the cells around each ray.
+
+    Parameters
+    ----------
+    rays : ndarray of float64, shape (n, 7)
+        Of an `InfraredPacket`.
+    farthest, margin, widening : float
+        Greatest distance that is seen from the robot's centre, Delta r_I [m], and the half
+        width of a ray as a share of the distance.
+    origin_x, origin_y, resolution, height, width
+        Of the grid.
+    boxes : ndarray of int64, shape (n, 4)
+        Where the boxes go: rows [0, 1) and columns [2, 3); no row where the ray is outside
+        the grid.
+
+    Returns
+    -------
+    tuple of int
+        Number of rays in the grid; rows and columns of the window that holds their boxes.
+    """
+    inside = 0
+    row0, row1, col0, col1 = height, 0, width, 0
+    for i in range(len(rays)):
+        _, reach = _reach(rays[i, HIT], rays[i, LIMIT], farthest, margin)
+        wide = max(widening * reach, 0.5 * resolution) + _SLACK
+        x = rays[i, CENTRE_X]
+        y = rays[i, CENTRE_Y]
+        end_x = x + reach * rays[i, RAY_X]
+        end_y = y + reach * rays[i, RAY_Y]
+        top, bottom = cells_between(
+            min(y, end_y) - wide, max(y, end_y) + wide, origin_y, resolution, height
         )
-
-    def _reach(self, packet: InfraredPacket) -> tuple[FloatArray, FloatArray]:
-        """Return how far from the centre [m] each ray speaks of empty, and of anything."""
-        nothing_before = self._infrared.mount_radius + self._infrared.max_range
-        seen = np.isfinite(packet.hit)
-        empty = np.minimum(np.where(seen, packet.hit, nothing_before), packet.limit)
-        surface = np.where(seen, packet.hit + self._evidence.range_margin, 0.0)
-        return empty, np.maximum(np.maximum(empty, surface), 0.0)
-
-    def _half_width(self, rho: FloatArray, geometry: GridGeometry) -> FloatArray:
-        return np.maximum(self._evidence.widening * rho, 0.5 * geometry.resolution)
-
-    def _boxes(
-        self, packet: InfraredPacket, geometry: GridGeometry
-    ) -> tuple[FloatArray, FloatArray]:
-        """Return the corners (x, y) [m], shape (n, 2), of the boxes around the rays."""
-        _, reach = self._reach(packet)
-        ray = np.column_stack((np.cos(packet.direction), np.sin(packet.direction)))
-        end = packet.centre + reach[:, None] * ray
-        wide = (self._half_width(reach, geometry) + _SLACK)[:, None]
-        return np.minimum(packet.centre, end) - wide, np.maximum(packet.centre, end) + wide
-
-    def _rays(
-        self,
-        packet: InfraredPacket,
-        first: IntArray,
-        last: IntArray,
-        window: Window,
-        geometry: GridGeometry,
-    ) -> Iterator[tuple[IntArray, FloatArray, FloatArray]]:
-        """Yield (cell of the window, E_I, O_I) of every cell in a ray, pass by pass."""
-        size = last - first
-        passes = np.cumsum(size[:, 0] * size[:, 1]) // _CELLS_A_PASS
-        for number in np.unique(passes):
-            chosen: NDArray[np.bool_] = passes == number
-            yield self._judge(packet.select(chosen), first[chosen], last[chosen], window, geometry)
-
-    def _judge(
-        self,
-        packet: InfraredPacket,
-        first: IntArray,
-        last: IntArray,
-        window: Window,
-        geometry: GridGeometry,
-    ) -> tuple[IntArray, FloatArray, FloatArray]:
-        """Return (cell of the window, E_I, O_I) of those cells of the boxes in a ray."""
-        k, margin = self._evidence.certainty, self._evidence.range_margin
-        ray, row, column = box_cells(first, last)
-        x, y = geometry.centre_coordinates(row, column)
-        dx = x - packet.centre[ray, 0]
-        dy = y - packet.centre[ray, 1]
-        ux, uy = np.cos(packet.direction)[ray], np.sin(packet.direction)[ray]
-        along = ux * dx + uy * dy
-        across = np.abs(ux * dy - uy * dx)
-        rho = np.hypot(dx, dy)
-        empty, reach = self._reach(packet)
-        inside = np.flatnonzero(
-            (along >= 0.0)
-            & (rho <= reach[ray])
-            & (across <= self._half_width(rho, geometry) + _SLACK)
+        left, right = cells_between(
+            min(x, end_x) - wide, max(x, end_x) + wide, origin_x, resolution, width
         )
-        ray, rho = ray[inside], rho[inside]
-        short = np.clip((empty[ray] - rho) / margin, 0.0, 1.0)
-        off = np.clip((packet.hit[ray] - rho) / margin, -1.0, 1.0)
-        cell = (row[inside] - window.row0) * window.shape[1] + (column[inside] - window.col0)
-        return cell, k * short**2, k * (1.0 - off**2)
+        if bottom == top or right == left:
+            bottom = top
+        else:
+            inside += 1
+            row0 = min(row0, top)
+            row1 = max(row1, bottom)
+            col0 = min(col0, left)
+            col1 = max(col1, right)
+        boxes[i, 0] = top
+        boxes[i, 1] = bottom
+        boxes[i, 2] = left
+        boxes[i, 3] = right
+    if inside == 0:
+        return 0, 0, 0, 0, 0
+    return inside, row0, row1, col0, col1
+
+
+@njit
+def _unite(
+    rays: FloatArray,
+    boxes: IntArray,
+    row0: int,
+    col0: int,
+    origin_x: float,
+    origin_y: float,
+    resolution: float,
+    farthest: float,
+    margin: float,
+    widening: float,
+    certainty: float,
+    empty: FloatArray,
+    occupied: FloatArray,
+) -> None:
+    """Unite what rays say of the cells of a window.
+
+    Parameters
+    ----------
+    rays, boxes, origin_x, origin_y, resolution, farthest, margin, widening
+        As `_find_boxes` takes and fills them.
+    row0, col0 : int
+        First row and column of the window.
+    certainty : float
+        k_I.
+    empty, occupied : ndarray of float64, shape of the window
+        Zero; where E_I and O_I go.
+    """
+    for i in range(len(rays)):
+        ux = rays[i, RAY_X]
+        uy = rays[i, RAY_Y]
+        centre_x = rays[i, CENTRE_X]
+        centre_y = rays[i, CENTRE_Y]
+        hit = rays[i, HIT]
+        free, reach = _reach(hit, rays[i, LIMIT], farthest, margin)
+        widest = max(widening * reach, 0.5 * resolution) + _SLACK
+        for row in range(boxes[i, 0], boxes[i, 1]):
+            y = centre_along(origin_y, row, resolution) - centre_y
+            for column in range(boxes[i, 2], boxes[i, 3]):
+                x = centre_along(origin_x, column, resolution) - centre_x
+                across = abs(ux * y - uy * x)
+                if across > widest or ux * x + uy * y < 0.0:
+                    continue
+                rho = math.sqrt(x * x + y * y)
+                if rho > reach or across > max(widening * rho, 0.5 * resolution) + _SLACK:
+                    continue
+                if rho < free:
+                    short = min((free - rho) / margin, 1.0)
+                    belief = certainty * short * short
+                    if belief > empty[row - row0, column - col0]:
+                        empty[row - row0, column - col0] = belief
+                off = (hit - rho) / margin
+                if abs(off) < 1.0:
+                    belief = certainty * (1.0 - off * off)
+                    if belief > occupied[row - row0, column - col0]:
+                        occupied[row - row0, column - col0] = belief

@@ -12,16 +12,19 @@ installation, a service without a home), the code is compiled anew by each proce
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
+
+from numpy.typing import NDArray
 
 try:
     import numba
 except ImportError:  # not installed, or not for this numpy
     numba = None
 
-__all__ = ["compiled", "njit"]
+__all__ = ["compiled", "for_kernel", "njit"]
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -57,12 +60,19 @@ def njit(function: F) -> F:
     # it calls, and those may live in other files of the package: all of them count.
     cache_file: Any = getattr(getattr(kernel, "_cache", None), "_cache_file", None)
     if hasattr(cache_file, "_source_stamp"):
-        cache_file._source_stamp = (cache_file._source_stamp, _package_stamp(function))
+        stamp = _sources_stamp(Path(function.__code__.co_filename).parent)
+        cache_file._source_stamp = (cache_file._source_stamp, stamp)
     return kernel
 
 
-def _package_stamp(function: Callable[..., Any]) -> tuple[tuple[str, int, int], ...]:
-    """Return name, time and size of every source beside the function's own."""
-    folder = Path(function.__code__.co_filename).parent
-    files = sorted(folder.glob("*.py"))
-    return tuple((f.name, f.stat().st_mtime_ns, f.stat().st_size) for f in files)
+def for_kernel(array: NDArray[Any]) -> Any:
+    """Return what a kernel reads and writes fastest: plain Python takes views of memory."""
+    return array if compiled() else array.data
+
+
+@functools.cache
+def _sources_stamp(folder: Path) -> tuple[tuple[str, int, int], ...]:
+    """Return name, time and size of every source in a folder and in the packages above it."""
+    own = [(f.name, f.stat().st_mtime_ns, f.stat().st_size) for f in sorted(folder.glob("*.py"))]
+    inside = (folder.parent / "__init__.py").exists()
+    return (*own, *(_sources_stamp(folder.parent) if inside else ()))

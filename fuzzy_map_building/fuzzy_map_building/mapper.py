@@ -15,13 +15,14 @@ from fuzzy_map_building.evidence.protocols import EvidenceSource, FusionRule, Lo
 from fuzzy_map_building.evidence.union import united_evidence
 from fuzzy_map_building.grid import GridGeometry, Window
 from fuzzy_map_building.infrared_model import InfraredModel
+from fuzzy_map_building.infrared_packet import InfraredPacket
 from fuzzy_map_building.map_state import MapState
-from fuzzy_map_building.params import MapperParameters
-from fuzzy_map_building.sonar_guard import cut_rays
+from fuzzy_map_building.params import MapperParameters, mapper_parameters
+from fuzzy_map_building.sonar_guard import ray_limits
 from fuzzy_map_building.sonar_model import SonarModel
-from fuzzy_map_building.types import InfraredReading, RangeReading, SonarReading
+from fuzzy_map_building.types import InfraredReading, Pose2, RangeReading, SonarReading
 
-__all__ = ["FuzzyMapper", "UpdateReport"]
+__all__ = ["FuzzyMapper", "UpdateReport", "warm_up"]
 
 FloatArray = NDArray[np.float64]
 
@@ -70,7 +71,7 @@ class FuzzyMapper:
     >>> ahead = SonarReading(Pose2(1.25, 5.25), bearing=0.0, range=2.0)
     >>> mapper.update([ahead]).accepted
     1
-    >>> float(mapper.empty[52, 15]), float(mapper.motion_risk[0, 0])
+    >>> round(float(mapper.empty[52, 15]), 12), float(mapper.motion_risk[0, 0])
     (0.4, 1.0)
     """
 
@@ -79,9 +80,7 @@ class FuzzyMapper:
         self._geometry = geometry
         self._parameters = p
         self._sonar: EvidenceSource[SonarReading] = SonarModel(p.sonar, p.evidence, p.consistency)
-        self._infrared: EvidenceSource[InfraredReading] = InfraredModel(
-            p.infrared, p.infrared_evidence
-        )
+        self._infrared = InfraredModel(p.infrared, p.infrared_evidence)
         self._rule: FusionRule = FuzzyFusion(p.evidence, p.fusion)
         self.reset()
 
@@ -174,42 +173,40 @@ class FuzzyMapper:
         if not infrared:
             self._fuse(local)
             return UpdateReport(local.accepted, rejected, local.window)
-        rays = self._infrared.evidence(self._guarded(sonar, infrared), self._geometry)
+        rays = self._infrared.evidence_of(self._guarded(sonar, infrared), self._geometry)
         united = united_evidence(local, rays, self._parameters.evidence.dombi_lambda)
         self._fuse(united)
         return UpdateReport(local.accepted, rejected, united.window, rays.accepted, rays.rejected)
 
     def _guarded(
         self, sonar: Sequence[SonarReading], infrared: Sequence[InfraredReading]
-    ) -> Sequence[InfraredReading]:
+    ) -> InfraredPacket:
         """Return the infrared readings as far as the sonars let them be believed."""
         p = self._parameters
+        packet = InfraredPacket.from_readings(infrared, p.infrared)
         if not p.sonar_guard.enabled:
-            return infrared
+            return packet
         # The sonars sit on the body's rim: its radius is theirs.
         reach, radius = p.sonar_guard.perception_reach, p.sonar.mount_radius
-        return cut_rays(sonar, infrared, p.sonar, p.infrared, p.sonar_guard, reach, radius)
+        limits = ray_limits(sonar, packet, p.sonar, p.sonar_guard, reach, radius)
+        return packet if limits is None else packet.limited(limits)
 
     def _fuse(self, local: LocalEvidence) -> None:
         """Let evidence enter the map, only in the cells of which it speaks."""
         # "The number of perceptions that have involved cell C": those with evidence of it.
         spoken = (local.empty > 0.0) | (local.occupied > 0.0)
         window = local.window.slices
-        count = self._count[window][spoken] + np.int32(1)
+        count = self._count[window] + spoken
         empty, occupied = self._rule.fuse(
-            self._empty[window][spoken],
-            self._occupied[window][spoken],
-            count,
-            local.empty[spoken],
-            local.occupied[spoken],
+            self._empty[window], self._occupied[window], count, local.empty, local.occupied
         )
         motion, planning = self._rule.risks(empty, occupied)
         # Everything is computed; from here on nothing can fail half-way.
-        self._count[window][spoken] = count
-        self._empty[window][spoken] = empty
-        self._occupied[window][spoken] = occupied
-        self._motion_risk[window][spoken] = motion
-        self._planning_risk[window][spoken] = planning
+        self._count[window] = count
+        self._empty[window] = empty
+        self._occupied[window] = occupied
+        self._motion_risk[window] = motion
+        self._planning_risk[window] = planning
         self._perceptions += 1
 
     def state(self) -> MapState:
@@ -244,6 +241,13 @@ class FuzzyMapper:
         self._perceptions = state.perceptions
 
 
+def warm_up() -> None:
+    """Compile the kernels, or load them from the cache, so that no later call has to."""
+    here = Pose2(0.0, 0.0)
+    mapper = FuzzyMapper(GridGeometry(2, 2, 1.0), mapper_parameters("consistent"))
+    mapper.update([SonarReading(here, 0.0, 0.5), InfraredReading(here, 0.0, 0.5)])
+
+
 def _sorted_by_kind(
     readings: Sequence[RangeReading],
 ) -> tuple[list[SonarReading], list[InfraredReading], int]:
@@ -254,21 +258,16 @@ def _sorted_by_kind(
     ValueError
         If an element is no reading at all.
     """
-    sonar: list[SonarReading] = []
-    infrared: list[InfraredReading] = []
-    others = 0
-    for number, reading in enumerate(readings):
-        if isinstance(reading, SonarReading):
-            sonar.append(reading)
-        elif isinstance(reading, InfraredReading):
-            infrared.append(reading)
-        elif isinstance(reading, RangeReading):
-            others += 1
-        else:
-            raise ValueError(
-                f"reading {number} of the packet is a {type(reading).__name__}, not a "
-                f"RangeReading; the map was not changed"
-            )
+    sonar = [r for r in readings if isinstance(r, SonarReading)]
+    infrared = [r for r in readings if isinstance(r, InfraredReading)]
+    others = len(readings) - len(sonar) - len(infrared)
+    if others:
+        for number, reading in enumerate(readings):
+            if not isinstance(reading, RangeReading):
+                raise ValueError(
+                    f"reading {number} of the packet is a {type(reading).__name__}, not a "
+                    f"RangeReading; the map was not changed"
+                )
     return sonar, infrared, others
 
 

@@ -28,7 +28,7 @@ from fuzzy_map_building.sensor_params import (
 from fuzzy_map_building.sonar_packet import SonarPacket
 from fuzzy_map_building.types import InfraredReading, SonarReading, wrap_angle
 
-__all__ = ["cut_rays", "guard_points"]
+__all__ = ["cut_rays", "guard_points", "ray_limits"]
 
 FloatArray = NDArray[np.float64]
 
@@ -78,8 +78,8 @@ def guard_points(
     short = _short(sonar, sonar_p, reach + robot_radius)
     if not short:
         return np.zeros((0, 2))
-    hits = _hits(infrared, infrared_p)
-    centre, direction, distance = _unexplained(short, hits, sonar_p, guard)
+    seen = InfraredPacket.from_readings(infrared, infrared_p)
+    centre, direction, distance = _unexplained(short, seen, sonar_p, guard)
     if not len(distance):
         return np.zeros((0, 2))
     angles = direction[:, None] + np.array([0.0, guard.spread, -guard.spread])
@@ -111,27 +111,55 @@ def cut_rays(
     Returns
     -------
     list of InfraredReading
-        The readings in their order. The `limit` of each is at most the distance from the
-        sensor's face to ``guard.margin`` before the nearest return without explanation that
-        lies within ``guard.angle`` of the ray.
+        The readings in their order. The `limit` of each is at most what `ray_limits` says of
+        it, from the sensor's face.
     """
     cut = list(infrared)
+    seen = InfraredPacket.from_readings(infrared, infrared_p)
+    limits = ray_limits(sonar, seen, sonar_p, guard, reach, robot_radius)
+    if limits is not None:
+        faces = limits - infrared_p.mount_radius
+        for number, limit in zip(seen.number.tolist(), faces.tolist(), strict=True):
+            if limit < cut[number].limit:
+                cut[number] = dataclasses.replace(cut[number], limit=limit)
+    return cut
+
+
+def ray_limits(
+    sonar: Sequence[SonarReading],
+    seen: InfraredPacket,
+    sonar_p: SonarParameters,
+    guard: SonarGuardParameters,
+    reach: float,
+    robot_radius: float,
+) -> FloatArray | None:
+    """Return how far the short sonar returns let infrared rays be believed to be free.
+
+    Parameters
+    ----------
+    sonar, sonar_p, guard, reach, robot_radius
+        As for `guard_points`.
+    seen : InfraredPacket
+        The rays.
+
+    Returns
+    -------
+    ndarray of float64, shape (n,), or None
+        For each ray the distance [m] from the robot's centre to ``guard.margin`` before the
+        nearest return without explanation that lies within ``guard.angle`` of the ray, ``inf``
+        without one; None where no return is without explanation.
+    """
     short = _short(sonar, sonar_p, reach + robot_radius)
     if not short:
-        return cut
-    hits = _hits(infrared, infrared_p)
-    centre, direction, distance = _unexplained(short, hits, sonar_p, guard)
+        return None
+    centre, direction, distance = _unexplained(short, seen, sonar_p, guard)
     if not len(distance):
-        return cut
-    seen = InfraredPacket.from_readings(infrared, infrared_p)
+        return None
     rays = np.column_stack((np.cos(direction), np.sin(direction)))
     to, away = _polar(centre + distance[:, None] * rays, seen.centre)
     beside = _between(to, seen.direction[:, None]) <= guard.angle + _ROUNDING
-    limits = np.where(beside, away, np.inf).min(axis=1) - guard.margin - infrared_p.mount_radius
-    for number, limit in zip(seen.number.tolist(), limits.tolist(), strict=True):
-        if limit < cut[number].limit:
-            cut[number] = dataclasses.replace(cut[number], limit=limit)
-    return cut
+    limits: FloatArray = np.where(beside, away, np.inf).min(axis=1) - guard.margin
+    return limits
 
 
 def _short(
@@ -147,29 +175,15 @@ def _short(
     ]
 
 
-def _hits(
-    infrared: Sequence[InfraredReading], infrared_p: InfraredParameters
-) -> list[tuple[float, float]]:
-    """Return where infrared readings met a surface (x, y) [m]."""
-    points = []
-    for r in infrared:
-        distance = infrared_p.min_range if r.range == -math.inf else r.range
-        if infrared_p.min_range <= distance <= infrared_p.max_range and distance < math.inf:
-            rho, direction = infrared_p.mount_radius + distance, r.pose.theta + r.bearing
-            points.append(
-                (r.pose.x + rho * math.cos(direction), r.pose.y + rho * math.sin(direction))
-            )
-    return points
-
-
 def _unexplained(
     short: Sequence[SonarReading],
-    hits: Sequence[tuple[float, float]],
+    seen: InfraredPacket,
     sonar_p: SonarParameters,
     guard: SonarGuardParameters,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return centre, direction and distance of those of some returns that have no hit."""
     # Numbers, not arrays: this is asked at every tick of the control, about few of both.
+    hits = seen.hit_points().tolist()
     table = []
     for r in short:
         x, y, direction = r.pose.x, r.pose.y, r.pose.theta + r.bearing

@@ -3,99 +3,47 @@
 """Sonar readings into evidence of empty and occupied cells, equations (1)-(5).
 
 Only the cells of each cone's bounding box are looked at, so that the cost follows the
-cones' areas and neither the map's size nor the distance between the readings' poses.
+cones' areas and not the map's size.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from fuzzy_map_building.cone_consistency import ConeConsistency
+from fuzzy_map_building.cone_consistency import consistency, find_vetoes, greatest_rest
+from fuzzy_map_building.directivity import Lobe, lobe_at
 from fuzzy_map_building.evidence.protocols import LocalEvidence
 from fuzzy_map_building.fuzzy_sets import dombi_t, dombi_t_inverse
-from fuzzy_map_building.grid import GridGeometry, Window, box_cells
+from fuzzy_map_building.grid import GridGeometry, Window, cells_between, centre_along
+from fuzzy_map_building.jit import for_kernel, njit
 from fuzzy_map_building.params import (
     ConsistencyParameters,
     EvidenceParameters,
     SonarParameters,
 )
-from fuzzy_map_building.sonar_packet import SonarPacket
+from fuzzy_map_building.sonar_packet import (
+    APEX_X,
+    APEX_Y,
+    AXIS_X,
+    AXIS_Y,
+    EMPTY,
+    OCCUPIED,
+    SonarPacket,
+)
 from fuzzy_map_building.types import RangeReading
 
-__all__ = ["SonarModel", "directivity", "empty_certainty", "occupied_certainty"]
+__all__ = ["SonarModel", "empty_certainty", "occupied_certainty"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-#: First positive zero of the Bessel function J1: the border of the main lobe, in z.
-_FIRST_ZERO = 3.831705970207512
-#: Terms of the power series of 2 J1(z)/z; at the first zero the next one is below 1e-20.
-_SERIES = tuple(
-    (-1.0) ** k / (math.factorial(k) * math.factorial(k + 1)) for k in reversed(range(18))
-)
-#: Cells looked at in one pass; bounds the memory of a packet of huge cones.
-_CELLS_A_PASS = 1_000_000
 #: Slack of the comparison rho <= rho_v [m], so that cells at exactly that distance do not
 #: depend on rounding.
 _SLACK = 1e-9
-
-
-def _lobe(quarter_z_squared: FloatArray) -> FloatArray:
-    """Return ``2 J1(z)/z`` for ``z <= 3.83`` from ``(z/2)^2``, exact to rounding."""
-    out = np.full_like(quarter_z_squared, _SERIES[0])
-    for coefficient in _SERIES[1:]:
-        out *= quarter_z_squared
-        out += coefficient
-    return out
-
-
-def directivity(theta: ArrayLike, sonar: SonarParameters | None = None) -> FloatArray:
-    """Return the radiation directivity of the transducer in its main lobe, equation (1).
-
-    Parameters
-    ----------
-    theta : array_like
-        Angle from the axis [rad].
-    sonar : SonarParameters, optional
-        Gives piston radius, frequency and speed of sound.
-
-    Returns
-    -------
-    ndarray of float64
-        D in [0, 1]; 0 beyond the main lobe.
-
-    Examples
-    --------
-    >>> [round(float(directivity(math.radians(t))), 3) for t in (0.0, 7.5, 11.25, 12.5)]
-    [1.0, 0.48, 0.108, 0.015]
-    """
-    angle = np.abs(np.asarray(theta, dtype=np.float64))
-    z = _wave_number_radius(sonar or SonarParameters()) * np.sin(angle)
-    inside = (z < _FIRST_ZERO) & (angle < 0.5 * math.pi)
-    return np.where(inside, _lobe(np.where(inside, 0.5 * z, 0.0) ** 2), 0.0)
-
-
-def _wave_number_radius(sonar: SonarParameters) -> float:
-    """Return the factor of sin(theta) in z, equation (1)."""
-    return 2.0 * math.pi * sonar.frequency / sonar.speed_of_sound * sonar.piston_radius
-
-
-def empty_certainty(rho: ArrayLike, r: ArrayLike, evidence: EvidenceParameters) -> FloatArray:
-    """Return f_E, equation (2): what a range `r` [m] says of emptiness at distance `rho` [m]."""
-    short = (np.asarray(r, dtype=np.float64) - np.asarray(rho)) / evidence.range_margin
-    out: FloatArray = evidence.k_empty * np.clip(short, 0.0, 1.0) ** 2
-    return out
-
-
-def occupied_certainty(rho: ArrayLike, r: ArrayLike, evidence: EvidenceParameters) -> FloatArray:
-    """Return f_O, equation (3): what a range `r` [m] says of an obstacle at `rho` [m]."""
-    off = (np.asarray(r, dtype=np.float64) - np.asarray(rho)) / evidence.range_margin
-    out: FloatArray = evidence.k_occupied * (1.0 - np.clip(off, -1.0, 1.0) ** 2)
-    return out
 
 
 class SonarModel:
@@ -118,15 +66,21 @@ class SonarModel:
         consistency: ConsistencyParameters | None = None,
     ) -> None:
         self._sonar = sonar
-        self._evidence = evidence
-        self._consistency = consistency if consistency and consistency.enabled else None
-        factor = _wave_number_radius(sonar)
-        # m(theta) is D within the cone, and only the main lobe of D is used (section III-A).
-        lobe = math.asin(_FIRST_ZERO / factor) if factor > _FIRST_ZERO else 0.5 * math.pi
-        half = min(0.5 * sonar.field_of_view, lobe)
-        self._cos_half = math.cos(half)
-        self._sin_half = math.sin(half)
-        self._quarter_factor_squared = (0.5 * factor) ** 2
+        self._lobe = Lobe.of(sonar)
+        self._table = for_kernel(self._lobe.table)
+        self._reach = evidence.visibility_radius + _SLACK
+        self._margin = float(evidence.range_margin)
+        self._certainty = (float(evidence.k_empty), float(evidence.k_occupied))
+        self._lambda = float(evidence.dombi_lambda)
+        rule = consistency if consistency is not None else ConsistencyParameters()
+        self._agree = rule.enabled
+        self._rule = (
+            float(rule.half_width),
+            float(rule.threshold),
+            float(rule.ramp),
+            float(rule.max_offset),
+            float(rule.floor),
+        )
 
     def evidence(self, readings: Sequence[RangeReading], geometry: GridGeometry) -> LocalEvidence:
         """Return what a packet of readings says, merged by the Dombi union, (4) and (5).
@@ -145,117 +99,223 @@ class SonarModel:
             ``outside_map`` (no part of the cone's box lies in the grid).
         """
         packet = SonarPacket.from_readings(readings, self._sonar)
-        cones = self._agreement(packet)
-        low, high = self._boxes(packet)
-        first, last = geometry.boxes(low, high)
-        inside: NDArray[np.bool_] = np.all(last > first, axis=1)
-        rejected = dict(packet.rejected)
-        if not inside.all():
-            rejected["outside_map"] = int((~inside).sum())
-            packet, first, last = packet.select(inside), first[inside], last[inside]
-            cones = cones.select(inside) if cones is not None else None
-        if len(packet) == 0:
-            nothing = np.zeros((0, 0))
-            return LocalEvidence(Window(0, 0, 0, 0), nothing, nothing, 0, rejected)
-
-        row0, col0 = (int(v) for v in first.min(axis=0))
-        row1, col1 = (int(v) for v in last.max(axis=0))
-        window = Window(row0, row1, col0, col1)
-        lam = self._evidence.dombi_lambda
-        cells = window.shape[0] * window.shape[1]
-        sums = np.zeros((2, cells))
-        for cell, empty, occupied in self._cones(packet, cones, first, last, window, geometry):
-            sums[0] += np.bincount(cell, dombi_t(empty, lam), cells)
-            sums[1] += np.bincount(cell, dombi_t(occupied, lam), cells)
-        empty, occupied = dombi_t_inverse(sums, lam).reshape(2, *window.shape)
-        return LocalEvidence(window, empty, occupied, len(packet), rejected)
-
-    def _agreement(self, packet: SonarPacket) -> ConeConsistency | None:
-        if self._consistency is None:
-            return None
-        half = math.asin(self._sin_half)
-        return ConeConsistency.of_packet(packet, half, self._modulation, self._consistency)
-
-    def _modulation(self, theta: FloatArray) -> FloatArray:
-        """Return D of angles from the axis [rad] within the cone, equation (1)."""
-        return _lobe(self._quarter_factor_squared * np.sin(theta) ** 2)
-
-    def _boxes(self, packet: SonarPacket) -> tuple[FloatArray, FloatArray]:
-        """Return the corners (x, y) [m], shape (n, 2), of the boxes around the cones."""
-        # Nothing is said beyond rho_v, beyond the arc, or beyond the empty range.
-        reach = np.maximum(packet.empty_range, packet.occupied_range + self._evidence.range_margin)
-        reach = np.minimum(reach, self._evidence.visibility_radius + _SLACK)[:, None]
-        axis = packet.axis
-        across = np.column_stack((-axis[:, 1], axis[:, 0]))
-        left = self._cos_half * axis + self._sin_half * across
-        right = self._cos_half * axis - self._sin_half * across
-        # Where the cone holds the direction of an axis of the world, its arc bulges there.
-        highest = np.where(axis >= self._cos_half, 1.0, np.maximum(left, right))
-        lowest = np.where(-axis >= self._cos_half, -1.0, np.minimum(left, right))
-        high = packet.apex + reach * np.maximum(highest, 0.0)
-        low = packet.apex + reach * np.minimum(lowest, 0.0)
-        return low, high
-
-    def _cones(
-        self,
-        packet: SonarPacket,
-        cones: ConeConsistency | None,
-        first: IntArray,
-        last: IntArray,
-        window: Window,
-        geometry: GridGeometry,
-    ) -> Iterator[tuple[IntArray, FloatArray, FloatArray]]:
-        """Yield (cell of the window, E_i, O_i) of every cell in a cone, pass by pass."""
-        size = last - first
-        passes = np.cumsum(size[:, 0] * size[:, 1]) // _CELLS_A_PASS
-        for number in np.unique(passes):
-            chosen: NDArray[np.bool_] = passes == number
-            yield self._judge(
-                packet.select(chosen),
-                cones.select(chosen) if cones is not None else None,
-                first[chosen],
-                last[chosen],
-                window,
-                geometry,
-            )
-
-    def _judge(
-        self,
-        packet: SonarPacket,
-        cones: ConeConsistency | None,
-        first: IntArray,
-        last: IntArray,
-        window: Window,
-        geometry: GridGeometry,
-    ) -> tuple[IntArray, FloatArray, FloatArray]:
-        """Return (cell of the window, E_i, O_i) of those cells of the boxes in a cone."""
-        evidence = self._evidence
-        reading, row, column = box_cells(first, last)
-        x, y = geometry.centre_coordinates(row, column)
-        dx = x - packet.apex[reading, 0]
-        dy = y - packet.apex[reading, 1]
-        ux, uy = packet.axis[reading, 0], packet.axis[reading, 1]
-        along = ux * dx + uy * dy
-        across = ux * dy - uy * dx
-        squared = dx * dx + dy * dy
-        limit = (evidence.visibility_radius + _SLACK) ** 2
-        inside = np.flatnonzero(
-            (along >= 0.0) & (squared <= limit) & (across * across <= self._sin_half**2 * squared)
+        cones = for_kernel(packet.cones)
+        boxes = np.empty((len(packet), 4), dtype=np.int64)
+        grid = (*geometry.origin, geometry.resolution)
+        half = self._lobe.half_angle
+        inside, *corners = _find_boxes(
+            cones, half, self._reach, self._margin, *grid, *geometry.shape, for_kernel(boxes)
         )
-        squared = squared[inside]
-        # sin(theta) without trigonometry; at the apex itself theta counts as 0.
-        sine_squared = across[inside] ** 2 / np.where(squared > 0.0, squared, 1.0)
-        modulation = _lobe(self._quarter_factor_squared * sine_squared)
-        rho = np.sqrt(squared)
-        source = reading[inside]
-        empty = empty_certainty(rho, packet.empty_range[source], evidence) * modulation
-        occupied = occupied_certainty(rho, packet.occupied_range[source], evidence)
-        if cones is None:
-            occupied *= modulation
+        rejected = dict(packet.rejected)
+        if inside < len(packet):
+            rejected["outside_map"] = len(packet) - inside
+        window = Window(*corners)
+        empty, occupied = np.zeros((2, *window.shape))
+        if inside > 0:
+            _unite(
+                cones,
+                packet.forward,
+                for_kernel(boxes),
+                window.row0,
+                window.col0,
+                *grid,
+                half,
+                self._table,
+                self._lobe.fineness,
+                self._reach,
+                self._margin,
+                *self._certainty,
+                self._lambda,
+                self._agree,
+                *self._rule,
+                for_kernel(np.empty(2 * len(packet))),
+                for_kernel(empty),
+                for_kernel(occupied),
+            )
+        return LocalEvidence(window, empty, occupied, inside, rejected)
+
+
+@njit
+def empty_certainty(rho: float, r: float, k: float, margin: float) -> float:
+    """Return f_E, equation (2): what a range `r` [m] says of emptiness at distance `rho` [m]."""
+    short = min(max((r - rho) / margin, 0.0), 1.0)
+    return k * short * short
+
+
+@njit
+def occupied_certainty(rho: float, r: float, k: float, margin: float) -> float:
+    """Return f_O, equation (3): what a range `r` [m] says of an obstacle at `rho` [m]."""
+    off = min(max((r - rho) / margin, -1.0), 1.0)
+    return k * (1.0 - off * off)
+
+
+@njit
+def _find_boxes(
+    cones: FloatArray,
+    half_angle: float,
+    reach: float,
+    margin: float,
+    origin_x: float,
+    origin_y: float,
+    resolution: float,
+    height: int,
+    width: int,
+    boxes: IntArray,
+) -> tuple[int, int, int, int, int]:
+    """Find the cells around each cone.
+
+    Parameters
+    ----------
+    cones : ndarray of float64, shape (n, 7)
+        Of a `SonarPacket`.
+    half_angle, reach, margin : float
+        Half of a cone's angle [rad], rho_v and Delta r [m].
+    origin_x, origin_y, resolution, height, width
+        Of the grid.
+    boxes : ndarray of int64, shape (n, 4)
+        Where the boxes go: rows [0, 1) and columns [2, 3); no row where the cone is outside
+        the grid.
+
+    Returns
+    -------
+    tuple of int
+        Number of cones in the grid; rows and columns of the window that holds their boxes.
+    """
+    cosine = math.cos(half_angle)
+    sine = math.sin(half_angle)
+    inside = 0
+    row0, row1, col0, col1 = height, 0, width, 0
+    for i in range(len(cones)):
+        # Nothing is said beyond rho_v, beyond the arc, or beyond the empty range.
+        far = min(max(cones[i, EMPTY], cones[i, OCCUPIED] + margin), reach)
+        ux = cones[i, AXIS_X]
+        uy = cones[i, AXIS_Y]
+        # The ends of the arc lie left and right of the axis; where the cone holds the
+        # direction of an axis of the world, the arc bulges there.
+        aside_x = sine * abs(uy)
+        aside_y = sine * abs(ux)
+        high_x = 1.0 if ux >= cosine else max(cosine * ux + aside_x, 0.0)
+        high_y = 1.0 if uy >= cosine else max(cosine * uy + aside_y, 0.0)
+        low_x = 1.0 if -ux >= cosine else max(aside_x - cosine * ux, 0.0)
+        low_y = 1.0 if -uy >= cosine else max(aside_y - cosine * uy, 0.0)
+        x = cones[i, APEX_X]
+        y = cones[i, APEX_Y]
+        top, bottom = cells_between(
+            y - far * low_y, y + far * high_y, origin_y, resolution, height
+        )
+        left, right = cells_between(x - far * low_x, x + far * high_x, origin_x, resolution, width)
+        if bottom == top or right == left:
+            bottom = top
         else:
-            arc = np.flatnonzero(occupied)
-            cell = inside[arc]
-            theta = np.arctan2(across[cell], along[cell])
-            occupied[arc] *= cones.weights(source[arc], theta, modulation[arc])
-        cell = (row[inside] - window.row0) * window.shape[1] + (column[inside] - window.col0)
-        return cell, empty, occupied
+            inside += 1
+            row0 = min(row0, top)
+            row1 = max(row1, bottom)
+            col0 = min(col0, left)
+            col1 = max(col1, right)
+        boxes[i, 0] = top
+        boxes[i, 1] = bottom
+        boxes[i, 2] = left
+        boxes[i, 3] = right
+    if inside == 0:
+        return 0, 0, 0, 0, 0
+    return inside, row0, row1, col0, col1
+
+
+@njit
+def _unite(
+    cones: FloatArray,
+    forward: float,
+    boxes: IntArray,
+    row0: int,
+    col0: int,
+    origin_x: float,
+    origin_y: float,
+    resolution: float,
+    half_angle: float,
+    table: FloatArray,
+    fineness: float,
+    reach: float,
+    margin: float,
+    k_empty: float,
+    k_occupied: float,
+    lam: float,
+    agree: bool,
+    half_width: float,
+    threshold: float,
+    ramp: float,
+    max_offset: float,
+    floor: float,
+    vetoes: FloatArray,
+    empty: FloatArray,
+    occupied: FloatArray,
+) -> None:
+    """Unite what the readings of a packet say of the cells of a window.
+
+    Parameters
+    ----------
+    cones, forward
+        Of the `SonarPacket`.
+    boxes : ndarray of int64, shape (n, 4)
+        Cells around each cone.
+    row0, col0 : int
+        First row and column of the window.
+    origin_x, origin_y, resolution : float
+        Of the grid [m].
+    half_angle, table, fineness
+        Of the `Lobe`.
+    reach, margin, k_empty, k_occupied, lam : float
+        rho_v and Delta r [m], k_E, k_O, lambda.
+    agree : bool
+        Whether vetoes count; the rule follows, see `ConsistencyParameters`.
+    vetoes : ndarray of float64, shape (2 n,)
+        Room for the vetoes against a reading.
+    empty, occupied : ndarray of float64, shape of the window
+        Zero; where E^k and O^k go.
+    """
+    sine_squared = math.sin(half_angle) ** 2
+    for i in range(len(cones)):
+        ux = cones[i, AXIS_X]
+        uy = cones[i, AXIS_Y]
+        apex_x = cones[i, APEX_X]
+        apex_y = cones[i, APEX_Y]
+        empty_range = cones[i, EMPTY]
+        occupied_range = cones[i, OCCUPIED]
+        count = 0
+        rest = 1.0
+        if agree and occupied_range > 0.0 and boxes[i, 1] > boxes[i, 0]:
+            count = find_vetoes(
+                i, cones, forward, half_angle, half_width, threshold, ramp, max_offset, vetoes
+            )
+            rest = greatest_rest(vetoes, count, half_width, half_angle, table, fineness)
+        for row in range(boxes[i, 0], boxes[i, 1]):
+            y = centre_along(origin_y, row, resolution) - apex_y
+            for column in range(boxes[i, 2], boxes[i, 3]):
+                x = centre_along(origin_x, column, resolution) - apex_x
+                squared = x * x + y * y
+                along = ux * x + uy * y
+                across = ux * y - uy * x
+                if (
+                    squared > reach * reach
+                    or along < 0.0
+                    or across * across > sine_squared * squared
+                ):
+                    continue
+                # At the apex itself theta counts as 0.
+                sine = across * across / squared if squared > 0.0 else 0.0
+                modulation = lobe_at(table, fineness, sine)
+                rho = math.sqrt(squared)
+                if rho < empty_range:
+                    belief = empty_certainty(rho, empty_range, k_empty, margin) * modulation
+                    empty[row - row0, column - col0] += dombi_t(belief, lam)
+                if abs(rho - occupied_range) < margin:
+                    if agree and rest > floor:
+                        part = consistency(math.atan2(across, along), vetoes, count, half_width)
+                        modulation = min(math.sqrt(modulation) * part / rest, 1.0)
+                    belief = modulation * occupied_certainty(
+                        rho, occupied_range, k_occupied, margin
+                    )
+                    occupied[row - row0, column - col0] += dombi_t(belief, lam)
+    for row in range(empty.shape[0]):
+        for column in range(empty.shape[1]):
+            empty[row, column] = dombi_t_inverse(empty[row, column], lam)
+            occupied[row, column] = dombi_t_inverse(occupied[row, column], lam)

@@ -1,6 +1,6 @@
 # Copyright 2026 The fuzzy navigation maintainers
 # SPDX-License-Identifier: Apache-2.0
-"""A packet of sonar readings as arrays: which count, where the cones stand, what they say.
+"""A packet of sonar readings as cones: which count, where they stand, what they say.
 
 REP 117 decides on the ranges: ``+inf`` is a lost echo, ``-inf`` an obstacle closer than
 the sonar can measure, NaN a fault; any other value outside the sonar's limits is a fault
@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzy_map_building.jit import for_kernel, njit
 from fuzzy_map_building.params import SonarParameters
 from fuzzy_map_building.types import RangeReading
 
@@ -27,25 +28,22 @@ FloatArray = NDArray[np.float64]
 #: spacing of any ring.
 SAME_DIRECTION = math.radians(1.0)
 
+#: Columns of a cone: apex and axis as (x, y), direction, and the two ranges.
+APEX_X, APEX_Y, AXIS_X, AXIS_Y, DIRECTION, EMPTY, OCCUPIED = range(7)
 
-@dataclass(frozen=True)
+_TURN = 2.0 * math.pi
+#: Why readings do not count, in the order that `_place` counts them in.
+_REASONS = ("nan", "out_of_range", "lost_echo")
+
+
+@dataclass(frozen=True, eq=False)
 class SonarPacket:
     """The readings of a packet that count, one row each.
 
     Attributes
     ----------
-    apex : ndarray of float64, shape (n, 2)
-        Apex (x, y) [m] of each cone in ``map``.
-    axis : ndarray of float64, shape (n, 2)
-        Unit vector along each cone's axis in ``map``.
-    direction : ndarray of float64, shape (n,)
-        Direction of each cone's axis [rad] in ``map``.
-    empty_range : ndarray of float64, shape (n,)
-        Distance [m] from the apex below which the reading speaks of empty space;
-        0: it does not.
-    occupied_range : ndarray of float64, shape (n,)
-        Distance [m] from the apex of the arc that is believed occupied;
-        ``-inf``: the reading speaks of none.
+    cones : ndarray of float64, shape (n, 7)
+        What the properties below name.
     forward : float
         Distance [m] of every apex from the robot's centre, along the axis.
     rejected : dict of str to int
@@ -53,11 +51,7 @@ class SonarPacket:
         (only where lost echoes are ignored).
     """
 
-    apex: FloatArray
-    axis: FloatArray
-    direction: FloatArray
-    empty_range: FloatArray
-    occupied_range: FloatArray
+    cones: FloatArray
     forward: float
     rejected: dict[str, int]
 
@@ -67,62 +61,145 @@ class SonarPacket:
     ) -> SonarPacket:
         """Place the cones of a packet and decide what each reading says."""
         table = np.array(
-            [(r.pose.x, r.pose.y, r.pose.theta + r.bearing, r.range) for r in readings],
+            [v for r in readings for v in (r.pose.x, r.pose.y, r.pose.theta + r.bearing, r.range)],
             dtype=np.float64,
-        ).reshape(-1, 4)
-        ranges = table[:, 3]
-        lost = ranges == np.inf
-        close = ranges == -np.inf
-        echo = (ranges >= sonar.min_range) & (ranges <= sonar.max_range)
-        faulty = np.isnan(ranges)
-        counts = {
-            "nan": int(faulty.sum()),
-            "out_of_range": int((~(faulty | lost | close | echo)).sum()),
-            "lost_echo": int(lost.sum()) if sonar.lost_echo == "ignore" else 0,
-        }
-        kept = lost | close | echo
-        returned = np.where(close, sonar.min_range, np.where(echo, ranges, np.inf))[kept]
-        table = table[kept]
+        )
+        number = len(table) // 4
+        cones = np.empty((number, 7))
+        direction, returned = np.empty((2, number))
+        counts = np.zeros(len(_REASONS), dtype=np.int64)
+        forward = sonar.mount_radius if sonar.apex == "mount" else 0.0
+        kept = _place(
+            for_kernel(table),
+            float(sonar.min_range),
+            float(sonar.max_range),
+            float(forward),
+            float(sonar.mount_radius - forward),
+            sonar.lost_echo == "ignore",
+            sonar.lost_echo == "neighbours",
+            for_kernel(direction),
+            for_kernel(returned),
+            for_kernel(cones),
+            for_kernel(counts),
+        )
+        rejected = {r: n for r, n in zip(_REASONS, counts.tolist(), strict=True) if n}
+        return cls(cones[:kept], forward, rejected)
 
-        reach = np.minimum(returned, sonar.max_range)
-        if sonar.lost_echo == "neighbours":
-            limits = neighbour_limits(table[:, 2], returned)
-            reach = np.minimum(reach, limits)
-        empty = np.where(close[kept], 0.0, reach)
-        occupied = np.where(np.isinf(returned), -np.inf, returned)
-        if sonar.lost_echo == "ignore":
-            heard = ~np.isinf(returned)
-            table, empty, occupied = table[heard], empty[heard], occupied[heard]
+    @property
+    def apex(self) -> FloatArray:
+        """Apex (x, y) [m] of each cone in ``map``, shape (n, 2)."""
+        return self.cones[:, APEX_X : APEX_Y + 1]
 
-        axis = np.column_stack((np.cos(table[:, 2]), np.sin(table[:, 2])))
-        apex = table[:, :2].copy()
-        forward = 0.0
-        if sonar.apex == "mount":
-            forward = sonar.mount_radius
-            apex += forward * axis
-        else:
-            empty = np.where(empty > 0.0, empty + sonar.mount_radius, 0.0)
-            occupied = occupied + sonar.mount_radius
-        rejected = {reason: count for reason, count in counts.items() if count}
-        return cls(apex, axis, table[:, 2], empty, occupied, forward, rejected)
+    @property
+    def axis(self) -> FloatArray:
+        """Unit vector along each cone's axis in ``map``, shape (n, 2)."""
+        return self.cones[:, AXIS_X : AXIS_Y + 1]
+
+    @property
+    def direction(self) -> FloatArray:
+        """Direction of each cone's axis [rad] in ``map``, shape (n,)."""
+        return self.cones[:, DIRECTION]
+
+    @property
+    def empty_range(self) -> FloatArray:
+        """Distance [m] from each apex out to which the reading speaks of empty space.
+
+        Shape (n,); 0: it does not.
+        """
+        return self.cones[:, EMPTY]
+
+    @property
+    def occupied_range(self) -> FloatArray:
+        """Distance [m] from each apex of the arc that is believed occupied.
+
+        Shape (n,); ``-inf``: the reading speaks of none.
+        """
+        return self.cones[:, OCCUPIED]
 
     def __len__(self) -> int:
         """Return the number of readings that count."""
-        return len(self.empty_range)
-
-    def select(self, chosen: NDArray[np.bool_]) -> SonarPacket:
-        """Return the packet of the readings where `chosen`, shape (n,), is True."""
-        return SonarPacket(
-            self.apex[chosen],
-            self.axis[chosen],
-            self.direction[chosen],
-            self.empty_range[chosen],
-            self.occupied_range[chosen],
-            self.forward,
-            dict(self.rejected),
-        )
+        return len(self.cones)
 
 
+@njit
+def _place(
+    table: FloatArray,
+    min_range: float,
+    max_range: float,
+    forward: float,
+    longer: float,
+    ignore_lost: bool,
+    ask_neighbours: bool,
+    direction: FloatArray,
+    returned: FloatArray,
+    cones: FloatArray,
+    counts: NDArray[np.int64],
+) -> int:
+    """Fill in the cones of a packet; return how many readings count.
+
+    Parameters
+    ----------
+    table : ndarray of float64, shape (4 n,)
+        x, y [m], direction [rad] and range [m] of each reading.
+    min_range, max_range : float
+        What the sonar can measure [m].
+    forward, longer : float
+        How far the apex lies ahead of the robot's centre, and the sonar's face ahead of the
+        apex [m].
+    ignore_lost, ask_neighbours : bool
+        Whether a lost echo says nothing, and whether its neighbours limit what it says.
+    direction, returned : ndarray of float64, shape (n,)
+        Room for what the readings that count measured.
+    cones : ndarray of float64, shape (n, 7)
+        Where the cones go.
+    counts : ndarray of int64, shape (3,)
+        Refused readings by reason.
+    """
+    kept = 0
+    lost = 0
+    for i in range(len(table) // 4):
+        value = table[4 * i + 3]
+        if value != value:
+            counts[0] += 1
+            continue
+        if value == -math.inf:
+            value = min_range
+            cones[kept, EMPTY] = 0.0
+        elif value == math.inf:
+            if ignore_lost:
+                counts[2] += 1
+                continue
+            lost += 1
+            cones[kept, EMPTY] = max_range
+        elif min_range <= value <= max_range:
+            cones[kept, EMPTY] = value
+        else:
+            counts[1] += 1
+            continue
+        angle = table[4 * i + 2]
+        direction[kept] = angle
+        returned[kept] = value
+        # An angle beyond the floats has no direction; such a cone lies in no map.
+        known = abs(angle) < math.inf
+        cones[kept, AXIS_X] = math.cos(angle) if known else math.nan
+        cones[kept, AXIS_Y] = math.sin(angle) if known else math.nan
+        cones[kept, APEX_X] = table[4 * i] + forward * cones[kept, AXIS_X]
+        cones[kept, APEX_Y] = table[4 * i + 1] + forward * cones[kept, AXIS_Y]
+        cones[kept, DIRECTION] = angle
+        kept += 1
+    if ask_neighbours and 0 < lost < kept:
+        limits = neighbour_limits(direction[:kept], returned[:kept])
+        for i in range(kept):
+            if cones[i, EMPTY] > limits[i]:
+                cones[i, EMPTY] = limits[i]
+    for i in range(kept):
+        if cones[i, EMPTY] > 0.0:
+            cones[i, EMPTY] += longer
+        cones[i, OCCUPIED] = returned[i] + longer if returned[i] < math.inf else -math.inf
+    return kept
+
+
+@njit
 def neighbour_limits(direction: FloatArray, returned: FloatArray) -> FloatArray:
     """Return how far the neighbours of each lost echo let it speak of empty space.
 
@@ -144,18 +221,29 @@ def neighbour_limits(direction: FloatArray, returned: FloatArray) -> FloatArray:
         Limits [m] of the lost echoes; ``inf`` where there is none, and for readings that
         have their own return.
     """
-    limits = np.full(len(returned), np.inf)
-    lost = np.flatnonzero(np.isinf(returned))
-    if not len(lost) or len(lost) == len(returned):
-        return limits
-    # Difference of every reading from every lost one, in [0, 2 pi) counter-clockwise.
-    ahead = np.mod(direction[None, :] - direction[lost, None], 2.0 * math.pi)
-    behind = np.mod(-ahead, 2.0 * math.pi)
-    same = np.minimum(ahead, behind) <= SAME_DIRECTION
-    counted = same.copy()
-    for difference in (ahead, behind):
-        side = np.where(same, np.inf, difference)
-        # Readings of the neighbour's own direction are neighbours, too.
-        counted |= side <= side.min(axis=1, keepdims=True) + SAME_DIRECTION
-    limits[lost] = np.where(counted, returned[None, :], np.inf).min(axis=1)
+    number = len(returned)
+    limits = np.full(number, np.inf)
+    for i in range(number):
+        if returned[i] < math.inf:
+            continue
+        # Counter-clockwise and clockwise to the nearest reading of another direction.
+        nearest_ahead = nearest_behind = _TURN
+        for j in range(number):
+            ahead = (direction[j] - direction[i]) % _TURN
+            if SAME_DIRECTION < ahead < _TURN - SAME_DIRECTION:
+                nearest_ahead = min(nearest_ahead, ahead)
+                nearest_behind = min(nearest_behind, _TURN - ahead)
+        limit = math.inf
+        for j in range(number):
+            if returned[j] < limit:
+                ahead = (direction[j] - direction[i]) % _TURN
+                if (
+                    ahead <= SAME_DIRECTION
+                    or ahead >= _TURN - SAME_DIRECTION
+                    # Readings of the neighbour's own direction are neighbours, too.
+                    or ahead <= nearest_ahead + SAME_DIRECTION
+                    or _TURN - ahead <= nearest_behind + SAME_DIRECTION
+                ):
+                    limit = returned[j]
+        limits[i] = limit
     return limits

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzy_map_building.jit import compiled
+from fuzzy_map_building.jit import for_kernel
 from fuzzy_navigation import kernels
 from fuzzy_navigation.cost_field import CostField
 
@@ -108,10 +108,10 @@ class Workspace:
         try:
             while True:
                 cells = (begin, steps, moves, self._state, self._cost, self._length, buckets)
-                arrays: list[Any] = [_fast(a) for a in (*cells, *self._entries(), control)]
+                arrays: list[Any] = [for_kernel(a) for a in (*cells, *self._entries(), control)]
                 if kernels.best_first(
-                    _fast(flat),
-                    _fast(field.table),
+                    for_kernel(flat),
+                    for_kernel(field.table),
                     field.coded,
                     *request,
                     field.heuristic,
@@ -198,8 +198,3 @@ def _steps(adjacency: int, everywhere: bool) -> tuple[NDArray[np.int64], NDArray
                 steps.append(step)
         begin.append(len(steps))
     return np.array(begin), np.array(steps)
-
-
-def _fast(array: NDArray[Any]) -> Any:
-    """Return what a kernel reads fastest: plain Python reads views of memory."""
-    return array if compiled() else array.data

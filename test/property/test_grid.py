@@ -9,7 +9,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from fuzzy_map_building.grid import GridGeometry
+from fuzzy_map_building.grid import GridGeometry, cells_between
 
 GRIDS = st.builds(
     GridGeometry,
@@ -72,12 +72,14 @@ def test_a_window_is_in_the_grid_and_holds_its_circle(
         assert columns[-1] < window.col1
         assert window.row0 <= rows[0]
         assert rows[-1] < window.row1
-    first, last = grid.boxes(
-        np.array([[x - radius, y - radius]]), np.array([[x + radius, y + radius]])
-    )
     if not window.empty:
-        assert tuple(first[0]) == (window.row0, window.col0)
-        assert tuple(last[0]) == (window.row1, window.col1)
+        x0, y0 = grid.origin
+        sides = (
+            (y - radius, y + radius, y0, grid.resolution, grid.height),
+            (x - radius, x + radius, x0, grid.resolution, grid.width),
+        )
+        assert cells_between(*sides[0]) == (window.row0, window.row1)
+        assert cells_between(*sides[1]) == (window.col0, window.col1)
 
 
 @given(st.floats(0.01, 50.0), st.floats(0.01, 50.0), st.floats(0.05, 2.0))

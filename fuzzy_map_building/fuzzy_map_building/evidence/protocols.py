@@ -61,7 +61,8 @@ class FusionRule(Protocol):
     """A theory of evidence: two beliefs a cell in, two beliefs and two risks out.
 
     All arrays have the same shape, one element a cell; `count` is the number of
-    perceptions that spoke of the cell, the present one included. No argument is changed.
+    perceptions that spoke of the cell, the present one included. Where the new evidence is
+    0 on both sides the beliefs stay as they are. No argument is changed.
     """
 
     def fuse(

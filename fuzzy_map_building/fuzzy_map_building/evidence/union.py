@@ -5,11 +5,15 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fuzzy_map_building.evidence.protocols import LocalEvidence
 from fuzzy_map_building.fuzzy_sets import dombi_union
+from fuzzy_map_building.jit import for_kernel, njit
 
 __all__ = ["united_evidence"]
+
+FloatArray = NDArray[np.float64]
 
 
 def united_evidence(sonar: LocalEvidence, infrared: LocalEvidence, lam: float) -> LocalEvidence:
@@ -33,15 +37,36 @@ def united_evidence(sonar: LocalEvidence, infrared: LocalEvidence, lam: float) -
     """
     window = sonar.window.union(infrared.window)
     empty, occupied = np.zeros((2, *window.shape))
-    part = _part(sonar, window.row0, window.col0)
-    empty[part], occupied[part] = sonar.empty, sonar.occupied
-    part = _part(infrared, window.row0, window.col0)
-    empty[part] = dombi_union(empty[part], infrared.empty, lam)
-    occupied[part] = np.maximum(occupied[part], infrared.occupied)
+    row, column = sonar.window.row0 - window.row0, sonar.window.col0 - window.col0
+    height, width = sonar.window.shape
+    empty[row : row + height, column : column + width] = sonar.empty
+    occupied[row : row + height, column : column + width] = sonar.occupied
+    if infrared.accepted > 0:
+        _unite(
+            for_kernel(infrared.empty),
+            for_kernel(infrared.occupied),
+            infrared.window.row0 - window.row0,
+            infrared.window.col0 - window.col0,
+            float(lam),
+            for_kernel(empty),
+            for_kernel(occupied),
+        )
     return LocalEvidence(window, empty, occupied, sonar.accepted, dict(sonar.rejected))
 
 
-def _part(local: LocalEvidence, row0: int, col0: int) -> tuple[slice, slice]:
-    """Return where the window of some evidence lies in a larger one."""
-    w = local.window
-    return slice(w.row0 - row0, w.row1 - row0), slice(w.col0 - col0, w.col1 - col0)
+@njit
+def _unite(
+    ray_empty: FloatArray,
+    ray_occupied: FloatArray,
+    row0: int,
+    column0: int,
+    lam: float,
+    empty: FloatArray,
+    occupied: FloatArray,
+) -> None:
+    """Unite the evidence of a window with that of a larger one, in which it begins somewhere."""
+    for row in range(ray_empty.shape[0]):
+        for column in range(ray_empty.shape[1]):
+            here, there = row0 + row, column0 + column
+            empty[here, there] = dombi_union(empty[here, there], ray_empty[row, column], lam)
+            occupied[here, there] = max(occupied[here, there], ray_occupied[row, column])

@@ -25,7 +25,7 @@ from std_srvs.srv import Trigger
 from fuzzy_map_building.infrared_gathering import InfraredGatherer
 from fuzzy_map_building.map_folder import MapFolder
 from fuzzy_map_building.map_io import load_map, save_map
-from fuzzy_map_building.mapper import FuzzyMapper
+from fuzzy_map_building.mapper import FuzzyMapper, warm_up
 from fuzzy_map_building.packet import ReadingAssembler
 from fuzzy_map_building.params import (
     DEFAULT_PRESET,
@@ -80,6 +80,7 @@ class MapperNode(Node):
             on_change=self._use_parameters,
         )
         p = self._settings.values
+        warm_up()  # before the first packet, which would otherwise wait for the compiler
         self._mapper = FuzzyMapper(p.area.geometry(), p)
         self._assembler = ReadingAssembler(p)
         self._gatherer = InfraredGatherer(p)

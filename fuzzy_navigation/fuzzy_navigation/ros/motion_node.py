@@ -25,6 +25,7 @@ from rclpy.node import Node
 from sensor_msgs.msg import Range
 
 from fuzzy_map_building.grid import GridGeometry
+from fuzzy_map_building.mapper import warm_up
 from fuzzy_map_building.ros import names, qos
 from fuzzy_map_building.ros.clock import create_steady_timer, now_seconds, seconds_from_stamp
 from fuzzy_map_building.ros.conversions import (
@@ -81,6 +82,7 @@ class MotionNode(Node):
             self, motion_parameters, MOTION_PRESETS, on_change=self._use_parameters
         )
         parameters = self._settings.values
+        warm_up()  # the guard by short echoes calls some of these kernels
         self._frames = parameters.infrared.frame_ids
         self._ticks = ControlTicks(parameters.infrared.bearings)
         self._time = PoseTime()

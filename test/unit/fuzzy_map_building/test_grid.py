@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from fuzzy_map_building.grid import MAX_CELLS, GridGeometry, Window
+from fuzzy_map_building.grid import MAX_CELLS, GridGeometry, Window, cells_between, centre_along
 
 GRID = GridGeometry(7, 5, 0.25, (-1.0, 2.0))
 
@@ -159,13 +159,28 @@ def test_union_of_windows() -> None:
     assert a.shape == (2, 2)
 
 
-def test_boxes_hold_the_cells_they_touch_and_are_clipped() -> None:
-    low = np.array([[-0.9, 2.1], [-1e300, -1e300], [3.0, 2.0], [0.0, 2.5]])
-    high = np.array([[-0.4, 2.6], [1e300, 1e300], [4.0, 3.0], [0.0, 2.5]])
-    first, last = GRID.boxes(low, high)
-    np.testing.assert_array_equal(first[0], (0, 0))
-    np.testing.assert_array_equal(last[0], (3, 3))
-    np.testing.assert_array_equal(first[1], (0, 0))
-    np.testing.assert_array_equal(last[1], (5, 7))
-    assert (last[2] <= first[2]).any()
-    np.testing.assert_array_equal(last[3] - first[3], (1, 1))  # a point is in one cell
+@pytest.mark.parametrize(
+    ("low", "high", "cells"),
+    [
+        (-0.9, -0.4, (0, 3)),
+        (0.1, 0.4, (4, 6)),
+        (-1e300, 1e300, (0, 7)),
+        (-math.inf, math.inf, (0, 7)),
+        (3.0, 4.0, (0, 0)),
+        (-4.0, -3.0, (0, 0)),
+        (math.nan, 1.0, (0, 0)),
+        (0.0, math.nan, (0, 0)),
+        (0.1, 0.1, (4, 5)),  # a point is in one cell
+    ],
+)
+def test_cells_between_are_those_touched_clipped_to_the_grid(
+    low: float, high: float, cells: tuple[int, int]
+) -> None:
+    assert cells_between(low, high, -1.0, 0.25, 7) == cells
+
+
+def test_centre_along_is_the_centre_of_the_cell() -> None:
+    for row, column in ((0, 0), (2, 6), (-1, 9)):
+        x = centre_along(GRID.origin[0], column, GRID.resolution)
+        y = centre_along(GRID.origin[1], row, GRID.resolution)
+        assert (x, y) == GRID.centre_of(row, column)
