@@ -115,8 +115,11 @@ def cut_rays(
         it, from the sensor's face.
     """
     cut = list(infrared)
+    short = _short(sonar, sonar_p, reach + robot_radius)
+    if not short:
+        return cut
     seen = InfraredPacket.from_readings(infrared, infrared_p)
-    limits = ray_limits(sonar, seen, sonar_p, guard, reach, robot_radius)
+    limits = _limits(short, seen, sonar_p, guard)
     if limits is not None:
         faces = limits - infrared_p.mount_radius
         for number, limit in zip(seen.number.tolist(), faces.tolist(), strict=True):
@@ -150,16 +153,7 @@ def ray_limits(
         without one; None where no return is without explanation.
     """
     short = _short(sonar, sonar_p, reach + robot_radius)
-    if not short:
-        return None
-    centre, direction, distance = _unexplained(short, seen, sonar_p, guard)
-    if not len(distance):
-        return None
-    rays = np.column_stack((np.cos(direction), np.sin(direction)))
-    to, away = _polar(centre + distance[:, None] * rays, seen.centre)
-    beside = _between(to, seen.direction[:, None]) <= guard.angle + _ROUNDING
-    limits: FloatArray = np.where(beside, away, np.inf).min(axis=1) - guard.margin
-    return limits
+    return _limits(short, seen, sonar_p, guard) if short else None
 
 
 def _short(
@@ -173,6 +167,23 @@ def _short(
         if (low <= reading.range <= high or reading.range == -np.inf)
         and max(reading.range, low) + sonar_p.mount_radius < below
     ]
+
+
+def _limits(
+    short: Sequence[SonarReading],
+    seen: InfraredPacket,
+    sonar_p: SonarParameters,
+    guard: SonarGuardParameters,
+) -> FloatArray | None:
+    """Return what `ray_limits` does, for some short returns."""
+    centre, direction, distance = _unexplained(short, seen, sonar_p, guard)
+    if not len(distance):
+        return None
+    rays = np.column_stack((np.cos(direction), np.sin(direction)))
+    to, away = _polar(centre + distance[:, None] * rays, seen.centre)
+    beside = _between(to, seen.direction[:, None]) <= guard.angle + _ROUNDING
+    limits: FloatArray = np.where(beside, away, np.inf).min(axis=1) - guard.margin
+    return limits
 
 
 def _unexplained(
