@@ -10,7 +10,7 @@ The image's top row has the highest y. Written are 254 (free), 0 (occupied) and 
 from __future__ import annotations
 
 import math
-import reprlib
+import os
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from fuzzy_map_building.grid import MAX_CELLS, GridGeometry
 from fuzzy_map_building.map_io import MapFileError, atomic_write
 from fuzzy_map_building.parameter_schema import suggest
+from fuzzy_map_building.plain_yaml import load_plain, shown
 
 __all__ = ["export_map_server", "import_map_server"]
 
@@ -30,6 +31,7 @@ _KEYS = ("image", "mode", "resolution", "origin", "negate", "occupied_thresh", "
 _MODES = ("trinary", "scale", "raw")
 _MAX_YAML = 65536
 _MAX_IMAGE_HEADER = 4096
+_MAX_NAME = 1000
 
 
 def export_map_server(
@@ -105,9 +107,11 @@ def import_map_server(path: str | Path) -> tuple[NDArray[np.int8], GridGeometry]
     """
     path = Path(path)
     try:
-        if path.stat().st_size > _MAX_YAML:
+        with path.open("rb") as file:
+            text = file.read(_MAX_YAML + 1)
+        if len(text) > _MAX_YAML:
             raise MapFileError("the file is too long for a map's YAML")
-        entries = _checked(yaml.safe_load(path.read_text(encoding="utf-8")))
+        entries = _checked(load_plain(text.decode()))
         grey = _read_pgm(path.parent / str(entries["image"]))
         height, width = grey.shape
         x, y, yaw = entries["origin"]
@@ -120,7 +124,7 @@ def import_map_server(path: str | Path) -> tuple[NDArray[np.int8], GridGeometry]
         raise MapFileError(
             f"cannot read '{error.filename or path}': {error.strerror or error}"
         ) from error
-    except (ValueError, OverflowError, RecursionError, yaml.YAMLError) as error:
+    except (ValueError, OverflowError) as error:
         raise MapFileError(f"cannot import '{path}': {error}") from error
     return _occupancy(grey, entries), geometry
 
@@ -131,22 +135,22 @@ def _checked(entries: Any) -> dict[str, Any]:
         raise MapFileError(f"it must be a mapping with the keys {', '.join(_KEYS)}")
     for key in entries:
         if key not in _KEYS:
-            raise MapFileError(f"unknown key '{key}'{suggest(str(key), _KEYS)}")
+            raise MapFileError(f"unknown key {shown(key)}{suggest(str(key)[:100], _KEYS)}")
     missing = [key for key in _KEYS if key not in entries and key != "mode"]
     if missing:
         raise MapFileError(f"missing: {', '.join(missing)}")
     out: dict[str, Any] = {"mode": entries.get("mode", "trinary")}
     if out["mode"] not in _MODES:
-        raise MapFileError(f"mode {reprlib.repr(out['mode'])} is none of {', '.join(_MODES)}")
+        raise MapFileError(f"mode {shown(out['mode'])} is none of {', '.join(_MODES)}")
     out["image"] = entries["image"]
-    if not isinstance(out["image"], str) or not out["image"] or "\0" in out["image"]:
-        raise MapFileError(f"image must be a file name, got {reprlib.repr(out['image'])}")
+    if not isinstance(out["image"], str) or not 0 < len(out["image"]) <= _MAX_NAME:
+        raise MapFileError(f"image must be a file name, got {shown(out['image'])}")
     for key in ("resolution", "occupied_thresh", "free_thresh"):
         out[key] = _number(key, entries[key])
     out["negate"] = _number("negate", entries["negate"]) != 0.0
     origin = entries["origin"]
     if not isinstance(origin, list) or len(origin) != 3:
-        raise MapFileError(f"origin must be [x, y, yaw], got {reprlib.repr(origin)}")
+        raise MapFileError(f"origin must be [x, y, yaw], got {shown(origin)}")
     out["origin"] = [_number("origin", value) for value in origin]
     if not 0.0 <= out["free_thresh"] < out["occupied_thresh"] <= 1.0:
         raise MapFileError(
@@ -158,13 +162,15 @@ def _checked(entries: Any) -> dict[str, Any]:
 
 def _number(key: str, value: Any) -> float:
     if not isinstance(value, (int, float)) or not math.isfinite(value):
-        raise MapFileError(f"{key} must be a finite number, got {reprlib.repr(value)}")
+        raise MapFileError(f"{key} must be a finite number, got {shown(value)}")
     return float(value)
 
 
 def _read_pgm(path: Path) -> NDArray[np.uint8]:
     """Return the grey values of a binary PGM file, top row first."""
-    with open(path, "rb") as file:
+    if path.exists() and not path.is_file():
+        raise MapFileError(f"'{path}' is a folder, a device or a pipe; an image is a file")
+    with path.open("rb") as file:
         # Magic, width, height, maximum: words between blanks, comments from # to the line's end.
         words: list[bytes] = []
         word = b""
@@ -190,9 +196,11 @@ def _read_pgm(path: Path) -> NDArray[np.uint8]:
                 f"'{path}' has {width} x {height} pixels up to {maximum}; supported are up to "
                 f"{MAX_CELLS} pixels with 255 as the maximum"
             )
+        # Before memory is taken for all that the header promises.
+        there = os.fstat(file.fileno()).st_size - file.tell()
+        if there < width * height:
+            raise MapFileError(f"'{path}' ends after {there} of {width * height} pixels")
         data = file.read(width * height)
-    if len(data) != width * height:
-        raise MapFileError(f"'{path}' ends after {len(data)} of {width * height} pixels")
     return np.frombuffer(data, dtype=np.uint8).reshape(height, width)
 
 

@@ -12,11 +12,14 @@ from __future__ import annotations
 
 import dataclasses
 import difflib
+import itertools
 import math
 import typing
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, TypeVar
+
+from fuzzy_map_building.plain_yaml import shown
 
 __all__ = [
     "ParameterError",
@@ -32,6 +35,9 @@ __all__ = [
 
 T = TypeVar("T")
 _KEY = "parameter"
+#: Most elements of a list and characters of a text: they bound what a request can set.
+_MAX_ELEMENTS = 1024
+_MAX_TEXT = 1024
 
 
 class ParameterError(ValueError):
@@ -96,7 +102,8 @@ def parameter(
 def suggest(name: str, known: typing.Iterable[str]) -> str:
     """Return '; did you mean ...?' for a misspelt name, or the list of known names."""
     names = sorted(known)
-    close = difflib.get_close_matches(name, names, n=1, cutoff=0.6)
+    # A longer one is no misspelt name, and to compare it takes long.
+    close = difflib.get_close_matches(name[:100], names, n=1, cutoff=0.6)
     if close:
         return f"; did you mean '{close[0]}'?"
     return f"; known names: {', '.join(names)}"
@@ -148,15 +155,21 @@ def _checked(info: ParameterInfo, value: Any) -> Any:
     """Return `value` in the parameter's own type or raise ParameterError."""
     if info.is_sequence:
         if isinstance(value, (str, bytes)) or not hasattr(value, "__iter__"):
-            raise ParameterError(f"parameter '{info.name}' is a list, got {value!r}")
-        return tuple(_checked_scalar(info, element) for element in value)
+            raise ParameterError(f"parameter '{info.name}' is a list, got {shown(value)}")
+        elements = tuple(itertools.islice(value, _MAX_ELEMENTS + 1))
+        if len(elements) > _MAX_ELEMENTS:
+            raise ParameterError(f"parameter '{info.name}' has more than {_MAX_ELEMENTS} elements")
+        return tuple(_checked_scalar(info, element) for element in elements)
     return _checked_scalar(info, value)
 
 
 def _checked_scalar(info: ParameterInfo, value: Any) -> Any:
     name = f"parameter '{info.name}'"
     if info.type is float and isinstance(value, (int, float)) and not isinstance(value, bool):
-        value = float(value)
+        try:
+            value = float(value)
+        except OverflowError:  # a whole number beyond the floats
+            value = math.inf
         if not math.isfinite(value):
             raise ParameterError(f"{name} must be finite, got {value}")
     elif info.type is int and hasattr(value, "__index__") and not isinstance(value, bool):
@@ -166,17 +179,19 @@ def _checked_scalar(info: ParameterInfo, value: Any) -> Any:
     elif not (info.type is str and isinstance(value, str)):
         raise ParameterError(
             f"{name} must be of type {info.type.__name__}, "
-            f"got {value!r} of type {type(value).__name__}"
+            f"got {shown(value)} of type {type(value).__name__}"
         )
+    elif len(value) > _MAX_TEXT:
+        raise ParameterError(f"{name} is a text of more than {_MAX_TEXT} characters")
     unit = f" {info.unit}" if info.unit else ""
     if info.minimum is not None and value < info.minimum:
-        raise ParameterError(f"{name} must be at least {info.minimum}{unit}, got {value}")
+        raise ParameterError(f"{name} must be at least {info.minimum}{unit}, got {shown(value)}")
     if info.maximum is not None and value > info.maximum:
-        raise ParameterError(f"{name} must be at most {info.maximum}{unit}, got {value}")
+        raise ParameterError(f"{name} must be at most {info.maximum}{unit}, got {shown(value)}")
     if info.choices and value not in info.choices:
         hint = suggest(str(value), [str(c) for c in info.choices])
         raise ParameterError(
-            f"{name} must be one of {', '.join(map(str, info.choices))}, got {value!r}{hint}"
+            f"{name} must be one of {', '.join(map(str, info.choices))}, got {shown(value)}{hint}"
         )
     return value
 
@@ -216,7 +231,7 @@ def from_mapping(base: T, values: Mapping[str, Any]) -> T:
     known = describe(type(base))
     for name in flat:
         if name not in known:
-            raise ParameterError(f"unknown parameter '{name}'{suggest(name, known)}")
+            raise ParameterError(f"unknown parameter {shown(name)}{suggest(name, known)}")
     for name, value in flat.items():
         flat[name] = _checked(known[name], value)
     changed: T = _replace(base, flat)
@@ -227,7 +242,7 @@ def _flatten_mapping(values: Mapping[str, Any], prefix: str = "") -> dict[str, A
     out: dict[str, Any] = {}
     for key, value in values.items():
         if not isinstance(key, str):
-            raise ParameterError(f"parameter names are text, got {key!r}")
+            raise ParameterError(f"parameter names are text, got {shown(key)}")
         if isinstance(value, Mapping):
             out.update(_flatten_mapping(value, prefix + key + "."))
         else:

@@ -16,9 +16,12 @@ from typing import Generic, TypeVar
 
 from fuzzy_map_building.types import Pose2, wrap_angle
 
-__all__ = ["AngleBuffer", "PoseBuffer", "StampedBuffer"]
+__all__ = ["MOST_SAMPLES", "AngleBuffer", "PoseBuffer", "StampedBuffer"]
 
 T = TypeVar("T")
+
+#: Most samples that are kept: a flood with stamps close together must not take all memory.
+MOST_SAMPLES = 20_000
 
 
 class StampedBuffer(ABC, Generic[T]):
@@ -29,7 +32,8 @@ class StampedBuffer(ABC, Generic[T]):
     max_gap : float
         Samples farther apart than this [s] are not joined by interpolation.
     horizon : float
-        Samples older than the newest by more than this [s] are forgotten.
+        Samples older than the newest by more than this [s] are forgotten, and the oldest where
+        there are more than `MOST_SAMPLES`.
     """
 
     def __init__(self, max_gap: float, horizon: float) -> None:
@@ -74,6 +78,8 @@ class StampedBuffer(ABC, Generic[T]):
         self._values.append(value)
         # Dropped half by half, so that a sample costs constant time on average.
         old = bisect.bisect_left(self._stamps, stamp - self._horizon)
+        if len(self._stamps) > MOST_SAMPLES:
+            old = max(old, len(self._stamps) // 2 + 1)
         if 2 * old > len(self._stamps):
             del self._stamps[:old], self._values[:old]
         return True

@@ -42,6 +42,9 @@ STEP = 0.001
 CLOSED_RISK = 2.0
 #: Clearance beyond which more is no better for the place to drive to in a cell [m].
 PLENTY = 0.25
+#: Most pairs of a hit point and a cell near to it: 10,000 points on cells of 5 cm. What a
+#: request has computed of them takes about 100 bytes each.
+MOST_PAIRS = 8_000_000
 #: What a place off the cell's centre has to be better by, as a part of its distance from it.
 DETOUR = 0.1
 
@@ -161,6 +164,11 @@ def clearance_layer(
     RiskLayer
         ``cut`` is mu_I of each cell's best clearance; ``cost`` is of that, of no more than 1,
         the part that a path pays.
+
+    Raises
+    ------
+    ValueError
+        If there are more than `MOST_PAIRS` pairs of a hit point and a cell near to it.
     """
     p = parameters
     # Farther than this from all hit points a cell's best place has no risk.
@@ -184,15 +192,23 @@ def _cells_near(
     geometry: GridGeometry, hits: Floats, reach: float
 ) -> tuple[NDArray[np.int64], Floats]:
     """Return pairs of a cell, by its flat index, and a hit point that may be so near [m]."""
-    x0, y0, x1, y1 = geometry.bounds
-    low, high = np.array((x0, y0)) - reach, np.array((x1, y1)) + reach
-    hits = hits[((hits > low) & (hits < high)).all(axis=1)]
-    half = math.ceil(reach / geometry.resolution)
-    steps = np.arange(-half, half + 1)
-    centre = np.floor((hits - (x0, y0)) / geometry.resolution).astype(np.int64)
-    shape = (len(hits), len(steps), len(steps))
-    rows = np.broadcast_to((centre[:, 1:] + steps)[:, :, None], shape)
-    columns = np.broadcast_to((centre[:, :1] + steps)[:, None, :], shape)
-    inside = (rows >= 0) & (rows < geometry.height) & (columns >= 0) & (columns < geometry.width)
-    near = np.broadcast_to(hits[:, None, None, :], (*shape, 2))[inside]
-    return rows[inside] * geometry.width + columns[inside], near
+    counts = np.array((geometry.width, geometry.height))
+    # Clipped before they become whole numbers: far corners overflow an integer.
+    with np.errstate(over="ignore"):
+        low = np.floor((hits - reach - geometry.origin) / geometry.resolution)
+        high = np.floor((hits + reach - geometry.origin) / geometry.resolution) + 1.0
+    first = np.clip(low, 0, counts).astype(np.int64)
+    size = np.clip(high, 0, counts).astype(np.int64) - first
+    cells = size[:, 0] * size[:, 1]
+    count = int(cells.sum())
+    if count > MOST_PAIRS:
+        raise ValueError(
+            f"{len(hits)} hit points are near to {count} cells of {geometry.resolution:g} m, "
+            f"together at most {MOST_PAIRS} are taken; use fewer points or coarser cells"
+        )
+    hit = np.repeat(np.arange(len(hits)), cells)
+    place = np.arange(count) - np.repeat(np.cumsum(cells) - cells, cells)
+    rows, columns = np.divmod(place, size[hit, 0])
+    rows += first[hit, 1]
+    columns += first[hit, 0]
+    return rows * geometry.width + columns, hits[hit]

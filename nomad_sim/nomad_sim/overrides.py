@@ -9,9 +9,8 @@ import re
 from collections.abc import Sequence
 from typing import Any
 
-import yaml
-
 from fuzzy_map_building.parameter_schema import suggest
+from fuzzy_map_building.plain_yaml import load_plain
 
 __all__ = ["GROUPS", "critical_angles", "parameter_overrides"]
 
@@ -75,9 +74,11 @@ def parameter_overrides(assignments: Sequence[str]) -> dict[str, dict[str, Any]]
         if name == "simulator.seed":
             raise ValueError(f"--set {text}: each mission has a seed of its own; use --first-seed")
         try:
-            values[group][inner] = _value(yaml.safe_load(raw))
-        except yaml.YAMLError:
-            raise ValueError(f"--set {text}: '{raw}' is not a value that can be read") from None
+            values[group][inner] = _value(load_plain(raw))
+        except ValueError as error:
+            raise ValueError(
+                f"--set {text}: '{raw}' is not a value that can be read: {error}"
+            ) from None
     return values
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import fcntl
 import json
+import os
 from dataclasses import asdict
 from pathlib import Path
 from types import TracebackType
@@ -20,6 +21,8 @@ __all__ = ["TrialFile"]
 
 #: Layout of the file; raised when a key changes its meaning.
 FORMAT = 1
+#: Largest file that is read; a trial takes about 700 bytes.
+MAX_BYTES = 2_000_000_000
 
 
 class TrialFile:
@@ -68,25 +71,31 @@ class TrialFile:
             ) from None
 
     def _read(self, header: dict[str, Any]) -> None:
+        size = self._file.seek(0, os.SEEK_END)
+        if size > MAX_BYTES:
+            raise ValueError(f"{self.path} has {size} bytes: it holds no trials")
         self._file.seek(0)
         content = self._file.read()
         # What follows the last line's end was being written when the campaign was stopped.
         whole = content[: content.rfind(b"\n") + 1]
-        self._file.truncate(len(whole))
-        lines = whole.splitlines()
-        if not lines:
-            self._write(header)
-            return
+        first, *lines = whole.split(b"\n")[:-1] or [b""]
+        start = json.dumps(header).encode() + b"\n"
+        if not whole and not start.startswith(content):
+            raise ValueError(f"{self.path} holds no trials; use another --output")
         try:
-            found = json.loads(lines[0])
-            results = [TrialResult.from_json(json.loads(line)) for line in lines[1:]]
-        except (ValueError, TypeError, KeyError, AttributeError) as error:
+            found = json.loads(first) if whole else header
+            results = [TrialResult.from_json(json.loads(line)) for line in lines]
+        except (ValueError, RecursionError) as error:
             raise ValueError(f"{self.path} holds no trials of this version: {error}") from error
         if found != header:
             raise ValueError(
                 f"{self.path} holds trials of another configuration"
                 f"{_difference(found, header)}; use another --output"
             )
+        # Only now, for what is refused is not to be touched.
+        self._file.truncate(len(whole))
+        if not whole:
+            self._write(header)
         self.results = {(r.kind, r.mission.seed): r for r in results}
 
     def _write(self, value: dict[str, Any]) -> None:
@@ -117,4 +126,5 @@ def _difference(found: Any, wanted: Any, where: str = "") -> str:
             if found.get(key) != wanted.get(key):
                 place = f"{where}.{key}" if where else str(key)
                 return _difference(found.get(key), wanted.get(key), place)
-    return f" ({where}: {json.dumps(found)} there, {json.dumps(wanted)} here)"
+    there, here = (json.dumps(value)[:200] for value in (found, wanted))
+    return f" ({where[:200]}: {there} there, {here} here)"

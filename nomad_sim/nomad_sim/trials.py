@@ -13,8 +13,10 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
+from fuzzy_map_building.plain_yaml import shown
 from fuzzy_navigation.mission_types import Outcome
 from nomad_sim.ground_truth import Reachability
+from nomad_sim.json_fields import checked_fields
 from nomad_sim.missions import MissionResult, MissionSpec, run_spec
 from nomad_sim.shortest_way import length_of, shortest_way
 from nomad_sim.world import World
@@ -208,10 +210,18 @@ class TrialResult:
 
         Raises
         ------
-        TypeError, KeyError
-            If there is more or less in the mapping.
+        ValueError
+            If there is more or less in the mapping, or a value that no trial has.
         """
-        return cls(**{**values, "mission": MissionResult(**values["mission"])})
+        values = checked_fields(cls, values)
+        mission = MissionResult(**checked_fields(MissionResult, values["mission"]))
+        if mission.outcome not in Outcome.__members__:
+            raise ValueError(f"outcome {shown(mission.outcome)} is no verdict")
+        if values["truth"] not in {truth.value for truth in Reachability}:
+            raise ValueError(f"truth {shown(values['truth'])} is none")
+        if values["shortest"] is not None and not values["shortest"] > 0.0:
+            raise ValueError(f"shortest must be above 0, got {values['shortest']}")
+        return cls(**{**values, "mission": mission})
 
 
 def run_trial(trial: Trial) -> TrialResult:

@@ -5,15 +5,14 @@
 from __future__ import annotations
 
 import re
-import reprlib
 from collections.abc import Hashable, Mapping, Sequence
 from typing import Any, NoReturn
 
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 
 from fuzzy_map_building.parameter_schema import suggest
+from fuzzy_map_building.plain_yaml import PlainLoader, load_plain, shown
 
 __all__ = [
     "MAX_BYTES",
@@ -42,14 +41,8 @@ class WorldError(ValueError):
     """A world file says something that cannot be understood or cannot be."""
 
 
-class Loader(yaml.SafeLoader):
+class Loader(PlainLoader):
     """YAML without what a world does not need: aliases, merged and repeated keys."""
-
-    def compose_node(self, parent: Any, index: Any) -> Any:
-        if self.check_event(yaml.AliasEvent):
-            event = self.peek_event()  # type: ignore[no-untyped-call]
-            raise WorldError(f"aliases (*{event.anchor}) are not allowed; write the value out")
-        return super().compose_node(parent, index)
 
     def construct_mapping(self, node: Any, deep: bool = False) -> dict[Hashable, Any]:
         keys: set[Any] = set()
@@ -58,7 +51,9 @@ class Loader(yaml.SafeLoader):
             if not isinstance(key, str):
                 raise WorldError(f"line {key_node.start_mark.line + 1}: a key must be a text")
             if key in keys:
-                raise WorldError(f"line {key_node.start_mark.line + 1}: key '{key}' is repeated")
+                raise WorldError(
+                    f"line {key_node.start_mark.line + 1}: key '{key[:100]}' is repeated"
+                )
             keys.add(key)
         return super().construct_mapping(node, deep)
 
@@ -93,11 +88,7 @@ class Node:
 
     def refuse(self, wanted: str) -> NoReturn:
         """Raise WorldError with what is wanted instead of the value."""
-        try:
-            got = reprlib.repr(self.value)  # its beginning: the whole value may be huge
-        except ValueError:
-            got = "a number too long to print"
-        self.fail(f"{wanted} expected, got {got}")
+        self.fail(f"{wanted} expected, got {shown(self.value)}")
 
     def mapping(self, required: Sequence[str], optional: Sequence[str] = ()) -> dict[str, Node]:
         """Return the values of a mapping that has all required and no unknown keys."""
@@ -160,7 +151,7 @@ class Node:
         """Return one of some texts."""
         if self.value not in list(choices):
             if isinstance(self.value, str):
-                self.fail(f"{reprlib.repr(self.value)} is unknown{suggest(self.value, choices)}")
+                self.fail(f"{shown(self.value)} is unknown{suggest(self.value, choices)}")
             self.refuse(f"one of {', '.join(choices)}")
         chosen: str = self.value
         return chosen
@@ -184,12 +175,8 @@ def read_document(text: str) -> Node:
     if len(text) > MAX_BYTES:
         raise WorldError(f"{len(text)} characters are more than the {MAX_BYTES} allowed")
     try:
-        return Node(yaml.load(text, Loader=Loader), "")
-    except RecursionError as error:
-        raise WorldError("it is nested too deeply") from error
-    except yaml.YAMLError as error:
-        raise WorldError(f"not a YAML document that can be read: {error}") from error
+        return Node(load_plain(text, Loader), "")
     except WorldError:
         raise
-    except ValueError as error:  # a number or date that Python refuses
-        raise WorldError(f"a value that cannot be read: {error}") from error
+    except ValueError as error:
+        raise WorldError(str(error)) from error

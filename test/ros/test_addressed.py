@@ -97,6 +97,8 @@ def test_names_with_their_namespaces(write: Callable[[str], str]) -> None:
     [
         ("a: [", "is no YAML"),
         ("- 1", "mapping of node names"),
+        ("a: &a {ros__parameters: {}}\nb: *a", "aliases"),
+        ("a: 1" + ":0" * 200, "too large|needs the key"),
         ("a: 1", "'a' needs the key 'ros__parameters'"),
         ("a: {ros__parameters: 1}", "must hold parameters by name"),
         ("a: " + "{b: " * 3000, "nested too deeply"),

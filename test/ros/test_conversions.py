@@ -83,6 +83,7 @@ def test_heading_of_a_tilted_quaternion_is_that_of_its_rotation_matrix() -> None
         ("tilted", lambda m: setattr(m.pose, "orientation", Quaternion(x=1.0, w=0.0))),
         ("wrong_frame", lambda m: setattr(m.header, "frame_id", "odom")),
         ("wrong_frame", lambda m: setattr(m.header, "frame_id", "")),
+        ("wrong_frame", lambda m: setattr(m.header, "frame_id", "x" * 9999)),
         ("no_stamp", lambda m: setattr(m.header, "stamp", Time())),
         ("negative_stamp", lambda m: setattr(m.header, "stamp", Time(sec=-1))),
     ],
@@ -93,6 +94,7 @@ def test_poses_that_are_refused(reason: str, spoil: Callable[[PoseStamped], None
     refused = refusal(lambda: conversions.stamped_pose_from_msg(message))
     assert refused.reason == reason
     assert str(refused).startswith("pose ")
+    assert len(str(refused)) < 300
 
 
 def test_a_goal_needs_neither_stamp_nor_orientation() -> None:

@@ -17,8 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-import yaml
-
+from fuzzy_map_building.plain_yaml import load_plain, shown
 from fuzzy_map_building.ros import names
 
 __all__ = ["Addressed", "section_names"]
@@ -48,33 +47,33 @@ def section_names(path: str | Path) -> list[str]:
         with Path(path).open("rb") as file:
             text = file.read(MAX_FILE_SIZE + 1)
         if len(text) > MAX_FILE_SIZE:
-            raise ValueError(f"{path}: longer than {MAX_FILE_SIZE} bytes is no parameter file")
-        content: Any = yaml.safe_load(text)
+            raise ValueError(f"longer than {MAX_FILE_SIZE} bytes is no parameter file")
+        content: Any = load_plain(text)
         if content is None:
             return []
         if not isinstance(content, dict):
-            raise ValueError(f"{path}: a mapping of node names to parameters expected")
-        return list(_sections(content, "", str(path)))
+            raise ValueError("a mapping of node names to parameters expected")
+        return list(_sections(content, ""))
     except OSError as error:
         raise ValueError(f"{path}: {error.strerror}") from error
-    except yaml.YAMLError as error:
-        raise ValueError(f"{path} is no YAML: {' '.join(str(error).split())}") from error
     except RecursionError as error:
-        raise ValueError(f"{path} is nested too deeply") from error
+        raise ValueError(f"{path}: it is nested too deeply") from error
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from error
 
 
-def _sections(content: Mapping[Any, Any], above: str, path: str) -> Iterator[str]:
+def _sections(content: Mapping[Any, Any], above: str) -> Iterator[str]:
     """Yield the names of the mapping's nodes; namespaces may be mappings of their own."""
     for key, value in content.items():
         name = f"{above}/{str(key).strip('/')}"
         if not isinstance(value, dict):
-            raise ValueError(f"{path}: '{key}' needs the key '{_KEY}' and its parameters")
+            raise ValueError(f"{shown(key)} needs the key '{_KEY}' and its parameters")
         if _KEY in value:
             if not isinstance(value[_KEY], dict):
-                raise ValueError(f"{path}: '{_KEY}' of '{key}' must hold parameters by name")
+                raise ValueError(f"'{_KEY}' of {shown(key)} must hold parameters by name")
             yield name
         else:
-            yield from _sections(value, name, path)
+            yield from _sections(value, name)
 
 
 @dataclass(frozen=True)

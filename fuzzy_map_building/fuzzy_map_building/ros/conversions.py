@@ -23,6 +23,7 @@ from sensor_msgs.msg import JointState, Range
 from std_msgs.msg import Header
 
 from fuzzy_map_building.grid import GridGeometry
+from fuzzy_map_building.plain_yaml import shown
 from fuzzy_map_building.ros import names
 from fuzzy_map_building.ros.clock import seconds_from_stamp
 from fuzzy_map_building.types import Pose2
@@ -99,7 +100,7 @@ def _check_frame(header: Header, frame: str, what: str) -> None:
     if header.frame_id != frame:
         raise Refused(
             "wrong_frame",
-            f"{what} is in frame '{header.frame_id}', expected '{frame}': transform it first",
+            f"{what} is in frame {shown(header.frame_id)}, expected '{frame}': transform it first",
         )
 
 
@@ -209,7 +210,7 @@ def range_from_msg(
     except ValueError:
         raise Refused(
             "unknown_frame",
-            f"{what} from frame '{frame}', which is none of the {len(frame_ids)} sensors "
+            f"{what} from frame {shown(frame)}, which is none of the {len(frame_ids)} sensors "
             f"{', '.join(frame_ids[:3])}...; name it in the parameter frame_ids",
         ) from None
     stamp = _stamp(message.header, what)

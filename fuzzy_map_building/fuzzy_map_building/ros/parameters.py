@@ -42,6 +42,7 @@ from fuzzy_map_building.parameter_schema import (
     from_mapping,
     suggest,
 )
+from fuzzy_map_building.plain_yaml import shown
 
 __all__ = ["PRESET", "NodeParameters", "declare_parameters"]
 
@@ -118,14 +119,16 @@ class NodeParameters(Generic[T]):
         """
         info = self._infos.get(parameter.name)
         if info is None:
-            return f"unknown parameter '{parameter.name}'{suggest(parameter.name, self._infos)}"
+            return (
+                f"unknown parameter {shown(parameter.name)}{suggest(parameter.name, self._infos)}"
+            )
         kind = self._converted(parameter).type_
         if kind is _type_of(info):
             return ""
         wanted = f"{'a list of' if info.is_sequence else 'of type'} {info.type.__name__}"
         if kind is Parameter.Type.NOT_SET:
             return f"parameter '{parameter.name}' cannot be removed; it must be {wanted}"
-        return f"parameter '{parameter.name}' must be {wanted}, got {parameter.value!r}"
+        return f"parameter '{parameter.name}' must be {wanted}, got {shown(parameter.value)}"
 
     def check(self, parameters: Iterable[Parameter]) -> SetParametersResult:
         """Return whether the node may take the changed parameters, and why not."""
@@ -218,7 +221,7 @@ def _guard_services(node: Node, parameters: NodeParameters[T]) -> None:
     def reason(message: Any) -> str:
         # rclpy's callbacks die of a value of no type.
         if message.value.type not in kinds:
-            return f"'{message.name}' has a value of type {message.value.type}, unknown"
+            return f"{shown(message.name)} has a value of type {message.value.type}, unknown"
         foreign = node.has_parameter(message.name) and message.name not in parameters.names
         return "" if foreign else parameters.refusal(Parameter.from_parameter_msg(message))
 

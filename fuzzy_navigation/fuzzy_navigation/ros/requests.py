@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from geometry_msgs.msg import PoseStamped
 
+from fuzzy_map_building.plain_yaml import shown
 from fuzzy_map_building.ros import names
 from fuzzy_map_building.ros.conversions import Refused, pose_from_msg
 from fuzzy_map_building.types import Pose2
@@ -32,6 +33,6 @@ def requested_pose(message: PoseStamped, what: str) -> Pose2:
     if frame not in ("", names.MAP_FRAME):
         raise Refused(
             "wrong_frame",
-            f"{what} is in frame '{frame}', expected '{names.MAP_FRAME}': transform it first",
+            f"{what} is in frame {shown(frame)}, expected '{names.MAP_FRAME}': transform it first",
         )
     return pose_from_msg(message.pose, what)

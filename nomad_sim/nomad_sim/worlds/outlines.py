@@ -7,10 +7,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["enclosed", "outlines", "simplified"]
+__all__ = ["MAX_SIDES", "enclosed", "outlines", "simplified"]
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
+
+#: Most sides between free and solid cells: several times what the plan of a large building has.
+#: They take about 0.4 kB each.
+MAX_SIDES = 1_000_000
 
 #: A corner of cells: column, row.
 _Corner = tuple[int, int]
@@ -31,6 +35,11 @@ def outlines(solid: BoolArray) -> list[FloatArray]:
     list of ndarray of float64, shape (N, 2)
         The corners (column, row) of each line in order; the last joins the first. Corners on
         straight lines are left out.
+
+    Raises
+    ------
+    ValueError
+        If there are more than `MAX_SIDES` sides between free and solid cells.
     """
     ends = _sides(solid)
     lines = []
@@ -51,6 +60,12 @@ def outlines(solid: BoolArray) -> list[FloatArray]:
 def _sides(solid: BoolArray) -> dict[_Corner, list[_Corner]]:
     """Return the sides between free and solid cells, by where they begin: solid on the left."""
     padded = np.pad(solid, 1, constant_values=True)
+    sides = sum(int(np.count_nonzero(np.diff(padded, axis=axis))) for axis in (0, 1))
+    if sides > MAX_SIDES:
+        raise ValueError(
+            f"the outlines of the raster have {sides} sides of cells, at most {MAX_SIDES} are "
+            "taken: is it a floor plan, and not a photograph?"
+        )
     ends: dict[_Corner, list[_Corner]] = {}
     # Below, right of, above and left of a solid cell (r, c): begin and end of the side there.
     for (down, right), begin, end in (

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Exchange with map_server: the image upside down, thresholds, unknown that stays unknown."""
 
+import os
+import tracemalloc
 from pathlib import Path
 
 import numpy as np
@@ -130,12 +132,51 @@ def test_wrong_images_are_refused(tmp_path: Path, image: bytes, message: str) ->
 
 
 @pytest.mark.parametrize(
-    "text", ["", "- 1\n", "a: [", "&a [*a]", "- " * 3000, "x" * 70000, "? [a]\n: b\n", "\x00"]
+    "text",
+    [
+        "<<: &a {x: 1}\ny: *a\n",
+        "x" * 5000 + ": 1\n",
+        "? 1" + ":0" * 200 + "\n: 1\n",
+        "",
+        "- 1\n",
+        "a: [",
+        "&a [*a]",
+        "- " * 3000,
+        "x" * 70000,
+        "? [a]\n: b\n",
+        "\x00",
+    ],
 )
 def test_wrong_yaml_is_refused(tmp_path: Path, text: str) -> None:
     (tmp_path / "a.yaml").write_text(text)
     with pytest.raises(MapFileError):
         import_map_server(tmp_path / "a.yaml")
+
+
+def test_mappings_merged_from_aliases_are_not_grown(tmp_path: Path) -> None:
+    lines = ["a: &a {x0: 0, x1: 1}"]
+    for before, name in zip("abcdefghijkl", "bcdefghijklm", strict=True):
+        lines.append(f"{name}: &{name} {{<<: [{', '.join([f'*{before}'] * 9)}]}}")
+    (tmp_path / "a.yaml").write_text("\n".join(lines))
+    with pytest.raises(MapFileError, match="aliases"):
+        import_map_server(tmp_path / "a.yaml")
+
+
+def test_an_image_that_is_no_file_is_not_waited_for(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.pgm")
+    with pytest.raises(MapFileError, match=r"pipe\.pgm' is a folder, a device or a pipe"):
+        import_map_server(write(tmp_path, image="pipe.pgm"))
+
+
+def test_memory_is_taken_for_what_is_there_only(tmp_path: Path) -> None:
+    path = write(tmp_path)
+    (tmp_path / "a.pgm").write_bytes(b"P5\n8000 8000\n255\n0")
+    tracemalloc.start()
+    with pytest.raises(MapFileError, match="ends after 1 of 64000000 pixels"):
+        import_map_server(path)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 1_000_000
 
 
 def test_a_missing_file(tmp_path: Path) -> None:

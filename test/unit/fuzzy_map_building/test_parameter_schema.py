@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Parameters declared once: what is derived from the declaration."""
 
+import itertools
 import math
 from dataclasses import dataclass, field
 
@@ -98,11 +99,18 @@ def test_values_take_the_declared_type() -> None:
         ({"wheel.radus": 0.1}, "unknown parameter 'wheel.radus'; did you mean 'wheel.radius'"),
         ({"engine": 1}, "unknown parameter 'engine'; known names: loaded, name"),
         ({3: 1}, "parameter names are text"),
+        ({"wheel.radius": 10**400}, "must be finite"),
+        ({"wheel.spokes": -(10**5000)}, "at least 3, got a number too long to print"),
+        ({"wheel.radius": "x" * 9999}, "of type float, got 'xxx"),
+        ({"name": "x" * 9999}, "more than 1024 characters"),
+        ({"offsets": itertools.repeat(0.0)}, "more than 1024 elements"),
+        ({"e" * 9999: 1}, "unknown parameter 'eee"),
     ],
 )
 def test_a_bad_value_is_named(values: dict, message: str) -> None:
-    with pytest.raises(ParameterError, match=message.replace(".", r"\.")):
+    with pytest.raises(ParameterError, match=message.replace(".", r"\.")) as caught:
         from_mapping(Cart(), values)
+    assert len(str(caught.value)) < 500  # whatever the length of what is refused
 
 
 def test_the_constructor_checks_as_well() -> None:

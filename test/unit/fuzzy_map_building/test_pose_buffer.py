@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from fuzzy_map_building.pose_buffer import AngleBuffer, PoseBuffer
+from fuzzy_map_building.pose_buffer import MOST_SAMPLES, AngleBuffer, PoseBuffer
 from fuzzy_map_building.types import Pose2
 
 
@@ -110,3 +110,13 @@ def test_limits_are_positive(bad: float) -> None:
         PoseBuffer(bad, 1.0)
     with pytest.raises(ValueError, match="horizon"):
         PoseBuffer(1.0, bad)
+
+
+def test_a_flood_within_the_horizon_keeps_the_newest_only() -> None:
+    angles = AngleBuffer(0.5, 100.0)
+    for k in range(3 * MOST_SAMPLES):
+        assert angles.add(1e-6 * k, float(k % 2))
+        assert len(angles) <= MOST_SAMPLES
+    assert angles.at(1e-6 * (3 * MOST_SAMPLES - 1)) == 1.0
+    assert angles.at(0.0) is None
+    assert angles.missed(0.0)

@@ -4,6 +4,7 @@
 
 import dataclasses
 import math
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -169,3 +170,18 @@ def test_hit_points_count_in_the_choice_of_the_rung():
     start, goal = centre(15, 15), centre(15, 25)
     assert planner.plan(start, goal).alpha == 0.6
     assert planner.plan(start, goal, hits=hits).alpha == 0.7
+
+
+def test_hit_points_on_cells_too_small_are_a_bad_request_before_memory_is_taken():
+    geometry = GridGeometry(300, 300, 1e-3)
+    planner = Planner(geometry, PlannerParameters(layer=LayerParameters(enabled=True)))
+    planner.set_map(np.zeros(geometry.shape))
+    hits = [(0.15, 0.15)] * 1000
+    tracemalloc.start()
+    result = planner.plan((0.1, 0.1), (0.2, 0.2), hits=hits)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert result.status is PlanStatus.BAD_REQUEST
+    assert "1000 hit points are near to 90000000 cells of 0.001 m" in result.message
+    assert peak < 2_000_000
+    assert planner.plan((0.1, 0.1), (0.2, 0.2), hits=hits[:3]).status is not result.status

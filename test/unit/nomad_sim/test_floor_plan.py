@@ -124,6 +124,12 @@ def test_pairs_are_drawn_by_seed_apart_and_reachable(tmp_path: Path) -> None:
     assert len({(w.start, w.goal) for w in drawn}) == len(drawn)
 
 
+def test_a_raster_of_noise_is_refused_before_its_sides_are_kept() -> None:
+    rows, columns = np.indices((1000, 1000))
+    with pytest.raises(ValueError, match=r"have 200[0-9]+ sides of cells, at most 1000000"):
+        outlines((rows + columns) % 2 == 0)
+
+
 def test_a_plan_without_room_is_refused(tmp_path: Path) -> None:
     geometry = GridGeometry(30, 20, 0.1)
     free = np.zeros(geometry.shape, dtype=np.int8)

@@ -5,6 +5,7 @@
 import csv
 import fcntl
 import json
+import math
 import shlex
 import sys
 import threading
@@ -166,7 +167,13 @@ def test_another_configuration_is_refused(tmp_path: Path, result: TrialResult) -
 
 
 @pytest.mark.parametrize(
-    "line", ["[]", "{}", "nonsense", '{"kind": "maze"}', '{"mission": 3}', '{"mission": {}}']
+    "line",
+    [
+        *("[]", "{}", "nonsense", '{"kind": "maze"}', '{"mission": 3}', '{"mission": {}}'),
+        "null",
+        "[" * 100_000,
+        '{"kind": ' * 3000,
+    ],
 )
 def test_a_file_that_holds_something_else_is_refused(
     line: str, tmp_path: Path, result: TrialResult
@@ -175,8 +182,56 @@ def test_a_file_that_holds_something_else_is_refused(
         file.add(result)
     with (tmp_path / "t").open("a") as raw:
         raw.write(line + "\n")
+    before = (tmp_path / "t").read_bytes()
     with pytest.raises(ValueError, match="holds no trials of this version"):
         TrialFile(tmp_path / "t", {})
+    assert (tmp_path / "t").read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("kind", None),
+        ("beam", "12"),
+        ("beam", [12.0]),
+        ("door", {}),
+        ("people", True),
+        ("people", 10**400),
+        ("shortest", 0.0),
+        ("shortest", math.nan),
+        ("truth", "perhaps"),
+        ("mission.seed", []),
+        ("mission.outcome", "WON"),
+        ("mission.truthful", 1),
+        ("mission.path_length", None),
+        ("mission.min_clearance", "0"),
+    ],
+)
+def test_a_value_that_no_trial_has_is_refused(
+    name: str, value: object, result: TrialResult
+) -> None:
+    values = asdict(result)
+    assert TrialResult.from_json(json.loads(json.dumps(values))) == result
+    group, _, inner = name.partition(".")
+    if inner:
+        values[group][inner] = value
+    else:
+        values[name] = value
+    with pytest.raises(ValueError, match=name.rpartition(".")[2]):
+        TrialResult.from_json(json.loads(json.dumps(values)))
+
+
+def test_a_file_of_something_else_is_left_as_it_is(tmp_path: Path) -> None:
+    file = tmp_path / "t"
+    file.write_text("a note without end")
+    with pytest.raises(ValueError, match="holds no trials"):
+        TrialFile(file, {})
+    assert file.read_text() == "a note without end"
+    # The first line, and the power fails in the middle of it.
+    file.write_text('{"format": 1')
+    with TrialFile(file, {"a": 1}) as begun:
+        assert begun.results == {}
+    assert json.loads(file.read_text()) == {"format": 1, "a": 1}
 
 
 def test_two_campaigns_do_not_write_to_one_file(tmp_path: Path) -> None:

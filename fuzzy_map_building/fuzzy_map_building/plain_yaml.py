@@ -1,0 +1,82 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""YAML from files that nobody vouches for: plain values, and no more of them than text.
+
+An alias stands for a value written elsewhere, and mappings merged from aliases of merged
+mappings grow by a power with each line: a file of one kilobyte can take all memory. Nothing
+that is read here needs them.
+"""
+
+from __future__ import annotations
+
+import reprlib
+from typing import Any
+
+import yaml
+
+__all__ = ["PlainLoader", "load_plain", "shown"]
+
+
+_REPR = reprlib.Repr()
+_REPR.maxstring = _REPR.maxother = _REPR.maxlong = 100
+
+
+class PlainLoader(yaml.SafeLoader):
+    """PyYAML's safe loader, without aliases."""
+
+    def compose_node(self, parent: Any, index: Any) -> Any:
+        """Compose a node, or raise ValueError for an alias."""
+        if self.check_event(yaml.AliasEvent):
+            event = self.peek_event()  # type: ignore[no-untyped-call]
+            raise ValueError(
+                f"aliases (*{event.anchor[:100]}) are not allowed; write the value out"
+            )
+        return super().compose_node(parent, index)
+
+
+def load_plain(text: str | bytes, loader: type[PlainLoader] = PlainLoader) -> Any:
+    """Return the value of a YAML text.
+
+    Parameters
+    ----------
+    text : str or bytes
+        One document, of a length that the caller has bounded.
+    loader : type
+        `PlainLoader`, or a stricter one.
+
+    Raises
+    ------
+    ValueError
+        If it is no YAML, has an alias, is nested too deeply, or holds a number or a date that
+        cannot be. A class of ValueError that the loader raises comes through as it is.
+    """
+    try:
+        return yaml.load(text, Loader=loader)
+    except ValueError as error:
+        if type(error) is not ValueError:
+            raise
+        raise ValueError(f"a value that cannot be read: {error}") from error
+    except RecursionError as error:
+        raise ValueError("it is nested too deeply") from error
+    except OverflowError as error:
+        raise ValueError(f"a number is too large: {error}") from error
+    except yaml.YAMLError as error:
+        raise ValueError(f"it is no YAML document: {_line(error)}") from error
+
+
+def shown(value: Any) -> str:
+    """Return how a message shows a value: its beginning, for the whole of it may be huge.
+
+    Examples
+    --------
+    >>> len(shown("x" * 1000)), shown([1, "a", None])
+    (100, "[1, 'a', None]")
+    """
+    try:
+        return _REPR.repr(value)
+    except ValueError:  # the digits of a whole number
+        return "a number too long to print"
+
+
+def _line(error: yaml.YAMLError) -> str:
+    return " ".join(str(error).split())[:500]
