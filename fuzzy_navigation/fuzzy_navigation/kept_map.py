@@ -65,6 +65,23 @@ class KeptMap:
         assert risk is not None
         return LayeredMap(risk, layer, self._barred, self._workspace)
 
+    def slimmer(self, radius: float, layer: RiskLayer | None) -> Rungs:
+        """Return what a slimmer robot would climb; there is a map.
+
+        It is augmented for the occasion, the whole of it.
+
+        Parameters
+        ----------
+        radius : float
+            The slimmer robot's [m].
+        layer : RiskLayer, optional
+            The risk that hit points lay over the map for the true one.
+        """
+        risk = self._risk()
+        assert risk is not None
+        augmented = augment(risk, radius, self._geometry.resolution, "disc")
+        return LayeredMap(augmented, layer, self._barred, self._workspace)
+
     def take(
         self, planning_risk: ArrayLike, barred: ArrayLike | None, parameters: PlannerParameters
     ) -> None:

@@ -341,10 +341,10 @@ class Mission:
     def _plan(self) -> list[Command]:
         self._state = _State.PLANNING
         request = self._request.make(self._time.elapsed, self._p.timeout.plan)
-        tolerance = self._record.path_tolerance
         barred = self._tried.barred(self._record.perceptions, self._known)
-        hits = tuple((x, y) for x, y in self._around.remembered.tolist())
-        return [Plan(request, self._here, self._record.goal, tolerance, barred, hits)]
+        r, hits = self._record, tuple((x, y) for x, y in self._around.remembered.tolist())
+        slim = self._p.slim_radius, self._p.believed_free_alpha
+        return [Plan(request, self._here, r.goal, r.path_tolerance, barred, hits, *slim)]
 
     def _move(self, plan: PlanResult) -> list[Command]:
         try:

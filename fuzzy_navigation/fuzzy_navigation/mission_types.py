@@ -80,6 +80,8 @@ class Plan:
         Positions (x, y) [m] of cells that no path may enter.
     hits : tuple of (float, float)
         Points (x, y) [m] that the sensors have hit.
+    slim_radius, slim_above : float
+        As `Planner.plan` takes them.
     """
 
     request: int
@@ -88,6 +90,8 @@ class Plan:
     tolerance: float
     barred: tuple[tuple[float, float], ...] = ()
     hits: tuple[tuple[float, float], ...] = ()
+    slim_radius: float = 0.0
+    slim_above: float = 0.0
 
 
 @dataclass(frozen=True)

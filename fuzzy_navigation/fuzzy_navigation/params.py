@@ -249,6 +249,15 @@ class MotionParameters:
         maximum=1.0,
         source="paper, section V",
     )
+    slim_radius: float = parameter(
+        0.12,
+        doc="radius of a slimmer robot whose path is followed to where it leaves the explored "
+        "area when the true one has none up to believed_free_alpha: wide cones make openings "
+        "look narrower than they are, and from close by they look wider; 0: none",
+        unit="m",
+        minimum=0.0,
+        maximum=5.0,
+    )
     goal_tolerance: float = parameter(
         0.3,
         doc="distance from the goal that counts as reached",
@@ -295,6 +304,8 @@ MOTION_PRESETS: Mapping[str, Mapping[str, Any]] = {
         "frontier_looks": 5,
         "look_turn": 0.618 * math.radians(22.5),
         "layer.enabled": True,
+        # With infrared evidence openings do not look closed.
+        "slim_radius": 0.0,
         "sonar_guard.enabled": True,
         # A corner beside an opening echoes off the sonar's axis: points aside would close it.
         "sonar_guard.spread": 0.0,

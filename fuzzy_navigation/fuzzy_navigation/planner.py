@@ -36,6 +36,8 @@ MOST_BARRED = 100_000
 _ADJACENCY = {"g1": 8, "g2": 8, "g3": 4}
 # Decimals that survive a float32 message: an alpha of 0.7 must not arrive as 0.69999999.
 _DECIMALS = 6
+# Largest radius of a slimmer robot [m].
+_MAX_SLIM_RADIUS = 5.0
 
 
 @dataclass(frozen=True)
@@ -51,6 +53,23 @@ class _Request:
     tolerance: float
     layer: RiskLayer | None
     barred: NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class _Slim:
+    """A slimmer robot, and the rung above which its path is wanted."""
+
+    radius: float
+    above: float
+
+    @classmethod
+    def checked(cls, radius: float, above: float) -> _Slim:
+        """Return it, or raise ValueError."""
+        if not 0.0 <= radius <= _MAX_SLIM_RADIUS:  # a NaN fails
+            raise ValueError(f"slim_radius must lie in [0, {_MAX_SLIM_RADIUS:g}] m, got {radius}")
+        if not 0.0 <= above <= 1.0:
+            raise ValueError(f"slim_above must lie in [0, 1], got {above}")
+        return cls(round(float(radius), _DECIMALS), round(float(above), _DECIMALS))
 
 
 class Planner:
@@ -140,6 +159,8 @@ class Planner:
         tolerance: float = 0.0,
         barred: ArrayLike = (),
         hits: ArrayLike = (),
+        slim_radius: float = 0.0,
+        slim_above: float = 0.0,
     ) -> PlanResult:
         """Answer a request for a path; never raises for what the request holds.
 
@@ -163,6 +184,14 @@ class Planner:
         hits : array_like, shape (n, 2), optional
             Points (x, y) [m] that sensors have just hit, on the map or beside it; without the
             parameter ``layer.enabled`` they do not count.
+        slim_radius : float
+            Radius [m] of a slimmer robot, in [0, 5]; 0: there is none. Where the true one has a
+            path only on a rung above `slim_above`, the answer is the slim one's on the lowest
+            rung, if there is any: it leads to an opening that wide cones make look too narrow.
+            Cells of it may be riskier for the true robot than the reported alpha, the rung of
+            the true robot's own path.
+        slim_above : float
+            Rung, in [0, 1].
 
         Returns
         -------
@@ -170,6 +199,7 @@ class Planner:
         """
         try:
             request = self._checked(start, goal, cost, alpha, adjacency, tolerance, barred, hits)
+            slim = _Slim.checked(slim_radius, slim_above)
         except (TypeError, ValueError) as error:
             return PlanResult(PlanStatus.BAD_REQUEST, f"request refused: {error}")
         if not self._map.known:
@@ -183,7 +213,7 @@ class Planner:
         ):
             if not self.geometry.contains(*xy):
                 return PlanResult(status, self._outside(name, xy))
-        return self._climb(request)
+        return self._climb(request, slim)
 
     def _checked(
         self,
@@ -236,7 +266,7 @@ class Planner:
             return None
         return clearance_layer(self.geometry, hits, p.robot_radius, p.layer)
 
-    def _climb(self, request: _Request) -> PlanResult:
+    def _climb(self, request: _Request, slim: _Slim) -> PlanResult:
         """Try rung after rung, and take the path of the first that does."""
         p = self._parameters
         query = Query(
@@ -279,6 +309,12 @@ class Planner:
             message += (
                 f", {'a much dearer one' if dearer else 'none'} at alpha {request.rungs[0]:g}"
             )
+        if slim.radius > 0.0 and rung > slim.above:
+            slimmer = self._map.slimmer(slim.radius, request.layer)
+            slim_path = slimmer.search(query, request.rungs[0])
+            if slim_path is not None:
+                path = slim_path
+                message += f"; instead that of a slimmer robot, of {len(path.path)} cells"
         return PlanResult(
             PlanStatus.FOUND,
             message,

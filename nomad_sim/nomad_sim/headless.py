@@ -182,6 +182,8 @@ class HeadlessMission:
                     tolerance=command.tolerance,
                     barred=command.barred,
                     hits=command.hits,
+                    slim_radius=command.slim_radius,
+                    slim_above=command.slim_above,
                 )
                 self._handle(self.mission.on_plan(self.now, command.request, plan))
             else:

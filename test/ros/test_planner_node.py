@@ -82,6 +82,7 @@ REQUESTS: list[dict[str, Any]] = [
     {"barred": [Point(x=1.05, y=y) for y in np.arange(1.35, 2.1, 0.1)], "alpha": 0.6},
     # Without the layer they do not count.
     {"hits": [Point(x=1.05, y=y) for y in np.arange(1.35, 2.1, 0.1)]},
+    {"slim_radius": 0.12, "slim_above": 0.05},
 ]
 COSTS = {0: None, 1: "g1", 2: "g2", 3: "g3"}
 
@@ -98,6 +99,8 @@ def test_plan_path_answers_what_the_core_answers(planner: Driver) -> None:
             asked.adjacency,
             asked.tolerance,
             barred=[(point.x, point.y) for point in asked.barred],
+            slim_radius=asked.slim_radius,
+            slim_above=asked.slim_above,
         )
         response = planner.plan(**fields)
         assert response.status == expected.status, fields
@@ -191,6 +194,8 @@ BAD_REQUESTS: list[tuple[dict[str, Any], str]] = [
     ({"adjacency": 6}, "adjacency must be 0, 4 or 8, got 6"),
     ({"cost": 4}, "cost must be one of 0, 1, 2, 3, got 4"),
     ({"barred": [Point(x=math.nan)]}, "barred"),
+    ({"slim_radius": -0.1}, "slim_radius must lie in [0, 5] m"),
+    ({"slim_above": math.nan}, "slim_above must lie in [0, 1]"),
     ({"tolerance": -0.1}, "tolerance must lie in [0, 10] m"),
     ({"tolerance": 10.5}, "tolerance must lie in [0, 10] m"),
     ({"tolerance": math.inf}, "tolerance must lie in [0, 10] m"),

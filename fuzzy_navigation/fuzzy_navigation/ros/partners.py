@@ -233,6 +233,8 @@ class PlannerClient:
             tolerance=plan.tolerance,
             barred=[Point(x=x, y=y) for x, y in plan.barred],
             hits=[Point(x=x, y=y) for x, y in plan.hits],
+            slim_radius=plan.slim_radius,
+            slim_above=plan.slim_above,
         )
         self._renewal.begin()
         self._future = self._client.call_async(request)

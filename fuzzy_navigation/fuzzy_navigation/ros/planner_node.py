@@ -103,6 +103,8 @@ class PlannerNode(Node):
                 request.tolerance,
                 [(point.x, point.y) for point in request.barred],
                 [(point.x, point.y) for point in request.hits],
+                request.slim_radius,
+                request.slim_above,
             )
         else:
             known = ", ".join(map(str, sorted(_COSTS)))
@@ -136,12 +138,16 @@ class PlannerNode(Node):
         tolerance: float = 0.0,
         barred: Sequence[tuple[float, float]] = (),
         hits: Sequence[tuple[float, float]] = (),
+        slim_radius: float = 0.0,
+        slim_above: float = 0.0,
     ) -> PlanResult:
         try:
             poses = requested_pose(start, "the start"), requested_pose(goal, "the goal")
         except Refused as refusal:
             return _bad_request(str(refusal))
-        return self._planner.plan(*poses, cost, alpha, adjacency, tolerance, barred, hits)
+        return self._planner.plan(
+            *poses, cost, alpha, adjacency, tolerance, barred, hits, slim_radius, slim_above
+        )
 
     def _answer(self, service: str, result: PlanResult) -> Path:
         """Count and publish a result, and return its path."""
