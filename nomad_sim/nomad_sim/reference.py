@@ -187,7 +187,7 @@ def _rows() -> dict[str, Row]:
                     beam,
                 )
             )
-    for gap, reached in ((0.8, 20), (0.75, 17), (0.7, 5), (0.65, 0)):
+    for gap, reached in ((0.8, 20), (0.75, 17), (0.7, 5), (0.65, 0), (0.6, 0)):
         rows.append(
             _row(
                 f"gaps_{gap:.2f}",

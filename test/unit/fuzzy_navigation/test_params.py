@@ -96,6 +96,17 @@ def test_unknown_presets_are_refused(make):
         make("oriolo1999")
 
 
+def test_the_example_for_narrow_openings_lets_planner_and_motion_agree():
+    nodes = yaml.safe_load((CONFIG / "narrow.yaml").read_text())
+    values = {name.removeprefix("/**/"): node["ros__parameters"] for name, node in nodes.items()}
+    assert {node.pop("preset") for node in values.values()} == {"consistent"}
+    planner = planner_parameters("consistent", values["fuzzy_planner"])
+    motion = motion_parameters("consistent", values["fuzzy_motion"])
+    assert planner.layer == motion.layer
+    # Less than what an opening of 0.60 m leaves to the body, for its memory of hits as well.
+    assert motion.layer.closed == motion.clearance.override < 0.5 * 0.60 - motion.robot_radius
+
+
 @pytest.mark.parametrize("cls", [PlannerParameters, MotionParameters])
 def test_every_parameter_says_what_it_means(cls):
     for name, info in describe(cls).items():
