@@ -28,12 +28,15 @@ from fuzzy_map_building.sensor_params import (
 from fuzzy_map_building.sonar_packet import SonarPacket
 from fuzzy_map_building.types import InfraredReading, SonarReading, wrap_angle
 
-__all__ = ["cut_rays", "guard_points", "ray_limits"]
+__all__ = ["cut_rays", "guard_points", "ray_limits", "rim_points"]
 
 FloatArray = NDArray[np.float64]
 
 #: Slack of comparisons of angles and distances, so that equal ones do not depend on rounding.
 _ROUNDING = 1e-9
+#: Off the axis of a return from too close to measure, seen from the robot's centre, something
+#: smooth may be as close as on it: a robot that passes by must not come closer either [rad].
+RIM_SPREAD = math.radians(26.0)
 
 
 def guard_points(
@@ -79,7 +82,7 @@ def guard_points(
     if not short:
         return np.zeros((0, 2))
     seen = InfraredPacket.from_readings(infrared, infrared_p)
-    centre, direction, distance = _unexplained(short, seen, sonar_p, guard)
+    centre, direction, distance = _unexplained(short, seen.hit_points(), sonar_p, guard)
     if not len(distance):
         return np.zeros((0, 2))
     angles = direction[:, None] + np.array([0.0, guard.spread, -guard.spread])
@@ -90,6 +93,45 @@ def guard_points(
     vetoed &= ~vetoed.all(axis=1, keepdims=True)
     kept: FloatArray = points[~vetoed]
     return kept
+
+
+def rim_points(
+    sonar: Sequence[SonarReading],
+    infrared: Sequence[InfraredReading],
+    known: FloatArray,
+    sonar_p: SonarParameters,
+    infrared_p: InfraredParameters,
+    guard: SonarGuardParameters,
+    robot_radius: float,
+) -> FloatArray:
+    """Return hit points of the returns from too close to measure that nothing explains.
+
+    Such a return (``-inf``) tells that something is nearer than the sonar's least range, not
+    how near. Unless an infrared hit or a point that is known already explains it, as in
+    `guard_points`, it may touch the body by now: it stands for three points on its rim, one on
+    the return's axis and one at `RIM_SPREAD` on either side.
+
+    Parameters
+    ----------
+    sonar, infrared, sonar_p, infrared_p, guard, robot_radius
+        As for `guard_points`.
+    known : ndarray of float64, shape (m, 2)
+        Points (x, y) [m] where something was seen or heard before.
+
+    Returns
+    -------
+    ndarray of float64, shape (n, 2)
+        Points (x, y) [m] in ``map``.
+    """
+    close = [reading for reading in sonar if reading.range == -math.inf]
+    if not close:
+        return np.zeros((0, 2))
+    hits = np.vstack((InfraredPacket.from_readings(infrared, infrared_p).hit_points(), known))
+    centre, direction, _ = _unexplained(close, hits, sonar_p, guard)
+    angles = direction[:, None] + np.array([0.0, RIM_SPREAD, -RIM_SPREAD])
+    rays = np.stack((np.cos(angles), np.sin(angles)), axis=2)
+    points: FloatArray = (centre[:, None, :] + robot_radius * rays).reshape(-1, 2)
+    return points
 
 
 def cut_rays(
@@ -176,7 +218,7 @@ def _limits(
     guard: SonarGuardParameters,
 ) -> FloatArray | None:
     """Return what `ray_limits` does, for some short returns."""
-    centre, direction, distance = _unexplained(short, seen, sonar_p, guard)
+    centre, direction, distance = _unexplained(short, seen.hit_points(), sonar_p, guard)
     if not len(distance):
         return None
     rays = np.column_stack((np.cos(direction), np.sin(direction)))
@@ -188,19 +230,19 @@ def _limits(
 
 def _unexplained(
     short: Sequence[SonarReading],
-    seen: InfraredPacket,
+    hits: FloatArray,
     sonar_p: SonarParameters,
     guard: SonarGuardParameters,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return centre, direction and distance of those of some returns that have no hit."""
     # Numbers, not arrays: this is asked at every tick of the control, about few of both.
-    hits = seen.hit_points().tolist()
+    points = hits.tolist()
     table = []
     for r in short:
         x, y, direction = r.pose.x, r.pose.y, r.pose.theta + r.bearing
         distance = max(r.range, sonar_p.min_range) + sonar_p.mount_radius
         farthest = distance + guard.slack + _ROUNDING
-        for u, v in hits:
+        for u, v in points:
             if math.hypot(u - x, v - y) <= farthest:
                 off = wrap_angle(math.atan2(v - y, u - x) - direction)
                 if abs(off) <= guard.angle + _ROUNDING:

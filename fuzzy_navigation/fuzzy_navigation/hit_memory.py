@@ -55,6 +55,7 @@ class HitMemory:
         self._standing: dict[int, deque[InfraredReading]] = {}
         self._echoes: dict[tuple[int, int], SonarReading] = {}
         self._points: dict[tuple[int, int], tuple[float, float]] = {}
+        self._guesses: dict[tuple[int, int], tuple[float, float]] = {}
         self._last: Pose2 | None = None
         self._array: Points | None = None
 
@@ -70,7 +71,13 @@ class HitMemory:
     @property
     def added(self) -> Points:
         """The hit points (x, y) [m] that are not the infrareds' at the perception, (n, 2)."""
-        return np.array(list(self._points.values()), dtype=np.float64).reshape(-1, 2)
+        added = [*self._points.values(), *self._guesses.values()]
+        return np.array(added, dtype=np.float64).reshape(-1, 2)
+
+    @property
+    def measured(self) -> Points:
+        """The hit points (x, y) [m] but for those whose distance is a guess, shape (n, 2)."""
+        return self.points[: len(self.points) - len(self._guesses)]
 
     @property
     def infrared(self) -> list[InfraredReading]:
@@ -104,8 +111,11 @@ class HitMemory:
             self._last = pose
             self.add(hits)
 
-    def add(self, points: Points) -> None:
-        """Take points (x, y) [m], shape (n, 2)."""
+    def add(self, points: Points, *, guessed: bool = False) -> None:
+        """Take points (x, y) [m], shape (n, 2); their distance may be a guess."""
+        kept = self._guesses if guessed else self._points
         for x, y in points.tolist():
             self._array = None
-            self._points.setdefault((round(x / RASTER), round(y / RASTER)), (x, y))
+            key = round(x / RASTER), round(y / RASTER)
+            if key not in self._points:
+                kept.setdefault(key, (x, y))

@@ -301,7 +301,7 @@ MOTION_PRESETS: Mapping[str, Mapping[str, Any]] = {
     "consistent": {
         "augmentation": "disc",
         "clearance.rule": "layer",
-        "frontier_looks": 5,
+        "frontier_looks": 8,
         "look_turn": 0.618 * math.radians(22.5),
         "layer.enabled": True,
         # With infrared evidence openings do not look closed.

@@ -4,13 +4,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from enum import Enum
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzy_map_building.sonar_guard import guard_points
+from fuzzy_map_building.sonar_guard import guard_points, rim_points
 from fuzzy_map_building.types import InfraredReading, Pose2, SonarReading
 from fuzzy_navigation.clearance import InfraredRing, clearance_at
 from fuzzy_navigation.hit_memory import HitMemory
@@ -82,7 +83,9 @@ class Surroundings:
             if guard.enabled:
                 self._echoes.update((echo.sensor, echo) for echo in sonar)
                 present = self._ring.present(now, limit)
-                self._memory.add(self._unseen(sonar, present, guard.motion_reach))
+                far = [echo for echo in sonar if echo.range > -math.inf]
+                self._memory.add(self._unseen(far, present, guard.motion_reach))
+                self._memory.add(self._touching(sonar, present), guessed=True)
             if layer.enabled:
                 self._memory.pass_by(pose, self._ring.hits(now, limit))
 
@@ -97,7 +100,11 @@ class Surroundings:
         self._echoes.clear()
         memory, guard = self._memory, self._p.sonar_guard
         if guard.enabled:
-            memory.add(self._unseen(memory.sonar, memory.infrared, guard.perception_reach))
+            far = [echo for echo in memory.sonar if echo.range > -math.inf]
+            memory.add(self._unseen(far, memory.infrared, guard.perception_reach))
+            memory.add(
+                self._unseen(memory.sonar, memory.infrared, guard.perception_reach), guessed=True
+            )
 
     def rest(self) -> None:
         """Remember nothing until the next perception."""
@@ -142,6 +149,17 @@ class Surroundings:
         limit = p.timeout.infrared
         echoes = [echo for echo in self._echoes.values() if now - echo.stamp <= limit]
         return self._unseen(echoes, self._ring.present(now, limit), p.sonar_guard.perception_reach)
+
+    def _touching(
+        self, sonar: Sequence[SonarReading], infrared: Sequence[InfraredReading]
+    ) -> Points:
+        p = self._p
+        if all(echo.range > -math.inf for echo in sonar):
+            return np.empty((0, 2))
+        known = self._memory.measured
+        return rim_points(
+            sonar, infrared, known, p.sonar, p.infrared, p.sonar_guard, p.robot_radius
+        )
 
     def _unseen(
         self, sonar: Sequence[SonarReading], infrared: Sequence[InfraredReading], reach: float

@@ -13,7 +13,7 @@ from fuzzy_map_building.params import (
     SonarGuardParameters,
     SonarParameters,
 )
-from fuzzy_map_building.sonar_guard import cut_rays, guard_points
+from fuzzy_map_building.sonar_guard import RIM_SPREAD, cut_rays, guard_points, rim_points
 from fuzzy_map_building.types import InfraredReading, Pose2, SonarReading
 from unit.fuzzy_map_building.scalar_mapper import limit_of_lost_echo
 
@@ -189,3 +189,45 @@ def test_a_ray_that_is_limited_already_is_not_extended() -> None:
 def test_nothing_in_nothing_out() -> None:
     assert points([], []).shape == (0, 2)
     assert limits([], []).shape == (0,)
+
+
+def rim(sonar: list, infrared: list, known: object = ()) -> np.ndarray:
+    points_known = np.array(known, dtype=float).reshape(-1, 2)
+    return rim_points(sonar, infrared, points_known, SONAR, INFRARED, GUARD, RADIUS)
+
+
+def test_what_is_too_close_to_measure_may_touch_the_body() -> None:
+    pose = Pose2(1.0, 2.0, 0.4)
+    readings = [SonarReading(pose, 0.3, -math.inf), SonarReading(pose, 2.0, 0.13)]
+    found = rim(readings, [])
+    expected = [
+        (1.0 + RADIUS * math.cos(0.7 + off), 2.0 + RADIUS * math.sin(0.7 + off))
+        for off in (0.0, RIM_SPREAD, -RIM_SPREAD)
+    ]
+    np.testing.assert_allclose(found, expected, atol=1e-12)
+    # Wherever along it the robot goes, one of them comes closer or stays: it has to turn away.
+    for off in np.linspace(-0.5 * math.pi, 0.5 * math.pi, 19):
+        ahead = np.array((1.0, 2.0)) + 0.1 * np.array((math.cos(0.7 + off), math.sin(0.7 + off)))
+        assert np.hypot(*(found - ahead).T).min() < RADIUS
+    away = np.array((1.0, 2.0)) - 0.1 * np.array((math.cos(0.7), math.sin(0.7)))
+    assert np.hypot(*(found - away).T).min() > RADIUS + 0.05
+
+
+@pytest.mark.parametrize(
+    ("off", "distance", "explains"),
+    [(0.0, 0.3, True), (14.9, 0.429, True), (15.1, 0.3, False), (0.0, 0.431, False)],
+)
+def test_what_was_measured_before_explains_it(off: float, distance: float, explains: bool) -> None:
+    pose = Pose2(0.0, 0.0, -1.0)
+    echo = SonarReading(pose, 0.0, -math.inf)
+    at = -1.0 + math.radians(off)
+    point = (distance * math.cos(at), distance * math.sin(at))
+    assert (len(rim([echo], [], [point])) == 0) is explains
+    hit = InfraredReading(pose, math.radians(off), distance - 0.23)
+    assert (len(rim([echo], [hit])) == 0) is explains
+
+
+def test_returns_that_can_be_measured_are_none_of_it() -> None:
+    pose = Pose2(0.0, 0.0)
+    others = [SonarReading(pose, 0.0, value) for value in (0.12, 1.0, math.inf, math.nan, 0.05)]
+    assert rim(others, []).shape == (0, 2)

@@ -141,6 +141,21 @@ def test_what_opens_is_barred_no_longer():
     assert barred(looks, cells) - barred(looks, opened) == centres(geometry, [door])
 
 
+def test_what_has_been_open_for_once_is_looked_at_anew():
+    cells, geometry, pose = drawn(ROOM)
+    looks = FrontierLooks(2, 2.0)
+    looks.look(cells, geometry, pose)
+    opened = cells.copy()
+    door = next(iter(frontier_by_hand(cells, geometry, pose, 2.0)))
+    opened[door] = True
+    looks.look(opened, geometry, pose)
+    looks.look(cells, geometry, pose)
+    frontier = frontier_by_hand(cells, geometry, pose, 2.0)
+    assert barred(looks, cells) == centres(geometry, frontier - {door})
+    looks.look(cells, geometry, pose)
+    assert barred(looks, cells) == centres(geometry, frontier)
+
+
 def test_again_grants_one_more_look():
     cells, geometry, pose = drawn(ROOM)
     looks = FrontierLooks(2, 2.0)
