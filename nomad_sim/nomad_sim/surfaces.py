@@ -34,6 +34,8 @@ _SAME = 1e-6
 _PROBE = 1e-4
 # From so many segments on, rays find them by an index.
 _MANY = 500
+# Rows and columns of the parts of a grid that are compared with the same few segments.
+_TILE = 32
 
 
 @dataclass(frozen=True, eq=False)
@@ -292,17 +294,27 @@ class Surfaces:
         """
         column, row = x[None, :], y[:, None]
         square = np.full((len(y), len(x)), np.inf)
-        for x0, y0, x1, y1 in self.segments:
-            ex, ey = x1 - x0, y1 - y0
-            along = ((column - x0) * ex + (row - y0) * ey) / (ex * ex + ey * ey)
-            np.clip(along, 0.0, 1.0, out=along)
-            dx, dy = column - x0 - along * ex, row - y0 - along * ey
-            np.minimum(square, dx * dx + dy * dy, out=square)
+        for rows in _tiles(len(y)):
+            for columns in _tiles(len(x)):
+                part = square[rows, columns]
+                for segment in self._nearest_to(x[columns], y[rows]):
+                    np.minimum(part, _squares(column[:, columns], row[rows], segment), out=part)
         distance: FloatArray = np.sqrt(square)
         distance[self._inside(column, row)] *= -1.0
         for cx, cy, radius in self.circles:
             np.minimum(distance, np.hypot(column - cx, row - cy) - radius, out=distance)
         return distance
+
+    def _nearest_to(self, x: FloatArray, y: FloatArray) -> FloatArray:
+        """Return the segments of which one is nearest to each point of a part of a grid."""
+        if len(self.segments) == 0:
+            return self.segments
+        middle_x, middle_y = 0.5 * (x[0] + x[-1]), 0.5 * (y[0] + y[-1])
+        reach = math.hypot(x[-1] - middle_x, y[-1] - middle_y)
+        away = np.sqrt(_squares(middle_x, middle_y, self.segments.T))
+        # None of the points is farther from the middle than the reach.
+        near: FloatArray = self.segments[away <= away.min() + 2.0 * reach + _SAME]
+        return near
 
     def _inside(self, column: FloatArray, row: FloatArray) -> BoolArray:
         """Whether the points of a grid lie in a solid polygon, shape (H, W)."""
@@ -315,6 +327,21 @@ class Surfaces:
                     odd ^= spans & (column < x0 + (row - y0) / (y1 - y0) * (x1 - x0))
             covered |= odd
         return covered
+
+
+def _tiles(count: int) -> list[slice]:
+    """Return slices that part the rows or columns of a grid."""
+    return [slice(first, first + _TILE) for first in range(0, count, _TILE)]
+
+
+def _squares(x: FloatArray | float, y: FloatArray | float, segment: FloatArray) -> FloatArray:
+    """Return the squared distances [m^2] of points from a segment, or of a point from many."""
+    x0, y0, x1, y1 = segment
+    ex, ey = x1 - x0, y1 - y0
+    along = np.clip(((x - x0) * ex + (y - y0) * ey) / (ex * ex + ey * ey), 0.0, 1.0)
+    dx, dy = x - x0 - along * ex, y - y0 - along * ey
+    square: FloatArray = dx * dx + dy * dy
+    return square
 
 
 def _in_order(parts: Sequence[Surfaces], values: Sequence[NDArray[S]]) -> NDArray[S]:

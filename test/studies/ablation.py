@@ -63,6 +63,9 @@ PIECES = (
     Piece("disc", mapper={"evidence.range_margin": 0.15}, planner=SQUARE, motion=SQUARE),
     Piece("diagonal", planner={"diagonal": "unit"}),
     Piece("memory", motion={"refusal_memory": 0}),
+    Piece("looks", motion={"frontier_looks": 0}),
+    Piece("turn", motion={"look_turn": 0.0}),
+    Piece("least risk", planner={"least_risk": 0.0}),
 )
 CASES = (
     Case("lab_70_70_70_beam_12.5"),
