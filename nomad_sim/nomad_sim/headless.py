@@ -126,6 +126,18 @@ class HeadlessMission:
         """The mission's time [s]."""
         return self._control.now
 
+    def send(self, goal: tuple[float, float]) -> None:
+        """Send the robot on to another goal (x, y) [m], with the map that it has.
+
+        Raises
+        ------
+        ValueError
+            If the goal is no place in the world's area.
+        """
+        self.goal = _goal(self.world, goal)
+        self.verdict = None
+        self._handle(self.mission.start(self.now, self.goal))
+
     def tick(self) -> None:
         """Let one control period pass: move, measure, decide."""
         simulator = self.simulator

@@ -4,15 +4,12 @@
 
 from __future__ import annotations
 
-import itertools
 import os
 import signal
-import time
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from diagnostic_msgs.msg import DiagnosticArray
 from fuzzy_msgs.action import Navigate
 from fuzzy_msgs.srv import MapFile
 from geometry_msgs.msg import PoseStamped
@@ -23,55 +20,14 @@ from fuzzy_map_building.map_io import load_map, save_map
 from fuzzy_map_building.map_state import MapState
 from fuzzy_map_building.params import mapper_parameters
 from fuzzy_map_building.ros import names, qos
-from fuzzy_map_building.ros.conversions import stamped_pose_from_msg
 from nomad_sim.ros.sim_node import TICK
-from ros.harness import START_DEADLINE, NodeProcess, Probe, Received, wait_until
+from ros.harness import START_DEADLINE, NodeProcess, Probe, wait_until
 from ros.motion_scene import goal_at
 from ros.room import stamp
+from ros.stack import Status, silent, speeds
 from ros.test_bringup import children
 
 Start = Callable[..., NodeProcess]
-
-
-class Status:
-    """What one node says of itself."""
-
-    def __init__(self, probe: Probe, node: str) -> None:
-        self._node = node
-        self._heard: Received[DiagnosticArray] = probe.subscribe(
-            DiagnosticArray, names.DIAGNOSTICS, qos.RELIABLE
-        )
-
-    def forget(self) -> None:
-        self._heard.clear()
-
-    def wait(self, matches: Callable[[dict[str, str]], bool], what: str) -> dict[str, str]:
-        """Return the first values heard since `forget` that match."""
-
-        def find() -> list[dict[str, str]]:
-            said = [s for m in list(self._heard.messages) for s in m.status]
-            values = [{v.key: v.value for v in s.values} for s in said if s.name == self._node]
-            return [v for v in values if matches(v)][:1]
-
-        return wait_until(find, what, START_DEADLINE)[0]
-
-
-def speeds(poses: list[PoseStamped]) -> list[tuple[float, float]]:
-    """Return (time [s], speed [m/s] since the pose before) of the poses that differ in time."""
-    known = dict(stamped_pose_from_msg(message) for message in poses)
-    times = sorted(known)
-    return [
-        (t, known[t].distance_to(known[s].x, known[s].y) / (t - s))
-        for s, t in itertools.pairwise(times)
-    ]
-
-
-def _silent(received: Received[PoseStamped], seconds: float) -> bool:
-    """Whether nothing comes for some wall time."""
-    count, end = len(received), time.monotonic() + seconds
-    while len(received) == count and time.monotonic() < end:
-        time.sleep(0.01)
-    return len(received) == count
 
 
 def test_killed_nodes_come_back_and_the_robot_stands_meanwhile(
@@ -106,7 +62,7 @@ def test_killed_nodes_come_back_and_the_robot_stands_meanwhile(
     wait_until(lambda: any(v > 0.2 for _, v in speeds(truth.messages[-3:])), "the drive")
     os.kill(victim, signal.SIGKILL)
     # The simulator waits for the command that does not come: the last one is a tick old then.
-    wait_until(lambda: _silent(truth, 1.0), "the simulator to wait")
+    wait_until(lambda: silent(truth, 1.0), "the simulator to wait")
     commanded = stamp(truth.last) - TICK
     truth.wait_for(lambda message: stamp(message) > commanded + 2.0)
     after = [(t, v) for t, v in speeds(truth.messages) if t > commanded + TICK / 2]
