@@ -40,8 +40,9 @@ __all__ = [
 
 #: Environment variable that limits where DDS looks for others.
 DISCOVERY_RANGE: Final = "ROS_AUTOMATIC_DISCOVERY_RANGE"
-#: Time that processes get to end after the stop before they are killed [s].
-GRACE: Final = 10.0
+#: Time that processes get to end after the stop before they are killed [s]. Taking a node down
+#: needs 0.6 s of a processor, which on a machine that starves it can be more than 10 s.
+GRACE: Final = 30.0
 #: Time between two looks at the processes [s].
 PERIOD: Final = 0.02
 #: Exit codes of a process that was asked to end: one that had not got as far as to handle

@@ -33,6 +33,20 @@ def test_the_same_seed_gives_the_same_log(room: World) -> None:
         assert (getattr(one, name) == getattr(other, name)).all(), name
 
 
+def test_it_is_sent_on_with_the_map_that_it_has(room: World) -> None:
+    robot = HeadlessMission(room, seed=4)
+    first = robot.run()
+    robot.send((robot.start.x, robot.start.y))
+    assert robot.verdict is None
+    back = robot.run()
+    assert (first.outcome, back.outcome) == (Outcome.REACHED, Outcome.REACHED)
+    assert robot.simulator.pose.distance_to(robot.start.x, robot.start.y) < 0.2
+    assert robot.mapper.perceptions == first.perceptions + back.perceptions
+    with pytest.raises(ValueError, match="goal"):
+        robot.send((99.0, 0.0))
+    assert robot.goal == (robot.start.x, robot.start.y)
+
+
 def test_another_seed_gives_other_maps(room: World) -> None:
     one, other = (run_mission(room, seed=seed) for seed in (4, 5))
     assert one.motion_risk.shape == other.motion_risk.shape
