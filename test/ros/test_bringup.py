@@ -124,6 +124,7 @@ def test_namespace_files_and_remappings_reach_the_nodes(
         (["--preset", "oriol"], "unknown preset 'oriol'; did you mean 'oriolo1998'?"),
         (["--params-file", "nowhere.yaml"], "there is no parameter file 'nowhere.yaml'"),
         (["--perset", "x"], "unrecognized arguments: --perset"),
+        (["--respawn", "0"], "must be at least 1, got 0"),
         (["--ros-args", "-p", "coast:=g1"], "unknown parameter 'coast'"),
     ],
 )
@@ -151,3 +152,14 @@ def test_each_node_gets_the_presets_that_it_knows(tmp_path: Path) -> None:
     ]
     assert commands["planner"][3:] == ["--ros-args", *shared, "-p", "use_sim_time:=true"]
     assert all(len(command) == 3 for command in node_commands().values())
+
+
+def test_a_snapshot_is_the_mappers_unless_a_file_names_another(tmp_path: Path) -> None:
+    file = tmp_path / "a.yaml"
+    file.touch()
+    commands = node_commands("", [file], snapshot="/tmp/s.map")
+    given = ["--ros-args", "-p", "snapshot.file:=/tmp/s.map", "--params-file", str(file)]
+    assert commands["mapper"][3:] == given
+    assert not any(
+        "snapshot.file" in word for name in ("planner", "motion") for word in commands[name]
+    )
