@@ -72,7 +72,7 @@ class FuzzyMapper:
     >>> mapper.update([ahead]).accepted
     1
     >>> round(float(mapper.empty[52, 15]), 12), float(mapper.motion_risk[0, 0])
-    (0.4, 1.0)
+    (0.6, 1.0)
     """
 
     def __init__(self, geometry: GridGeometry, parameters: MapperParameters | None = None) -> None:

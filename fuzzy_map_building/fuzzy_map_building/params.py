@@ -4,9 +4,10 @@
 
 Sensors are declared in `sensor_params`, evidence and its fusion in `evidence_params`, the
 other groups here.
-Defaults are those of the navigation experiments of Oriolo, Ulivi and Vendittelli
-(1998), section V, for a NOMAD 200. `PRESETS` names other sets. A node, a parameter
-file or a study starts from a preset and overrides single parameters by dotted name.
+Defaults are for a NOMAD 200 that navigates: the preset ``consistent``. `PRESETS` names other
+sets, ``oriolo1998`` that of the navigation experiments of Oriolo, Ulivi and Vendittelli (1998),
+section V. A node, a parameter file or a study starts from a preset and overrides single
+parameters by dotted name.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ from fuzzy_map_building.parameter_schema import (
     suggest,
     validate,
 )
-from fuzzy_map_building.presets import DEFAULT_PRESET, PRESETS
+from fuzzy_map_building.presets import DEFAULT_PRESET, PAPER_PRESET, PRESETS
 from fuzzy_map_building.sensor_params import (
     InfraredParameters,
     SonarGuardParameters,
@@ -39,6 +40,7 @@ from fuzzy_map_building.sensor_params import (
 
 __all__ = [
     "DEFAULT_PRESET",
+    "PAPER_PRESET",
     "PRESETS",
     "AreaParameters",
     "ConsistencyParameters",

@@ -7,47 +7,44 @@ from __future__ import annotations
 import math
 from typing import Any
 
-__all__ = ["DEFAULT_PRESET", "PRESETS"]
+__all__ = ["DEFAULT_PRESET", "PAPER_PRESET", "PRESETS"]
 
-DEFAULT_PRESET = "oriolo1998"
+DEFAULT_PRESET = "consistent"
+#: The rules of the paper, with the mends that its noise needs.
+PAPER_PRESET = "oriolo1998"
 
 #: Bearings of the eight front sonars of a Pioneer 2 [rad], from the left to the right.
 _PIONEER_BEARINGS = tuple(math.radians(b) for b in (90, 50, 30, 10, -10, -30, -50, -90))
 
+#: The paper's evidence, without the rules that go beyond it.
+_PAPER: dict[str, Any] = {
+    "evidence.k_empty": 0.4,
+    "evidence.k_occupied": 0.4,
+    "evidence.range_margin": 0.15,
+    "consistency.enabled": False,
+    "infrared_evidence.enabled": False,
+    "sonar_guard.enabled": False,
+}
+
 #: Named sets of parameters, as changes of the defaults.
 PRESETS: dict[str, dict[str, Any]] = {
+    # The defaults. Rules beyond the paper, for navigating: echoes that the packet agrees on,
+    # infrareds beside sonars, sonars as a guard where infrared light sees nothing.
+    DEFAULT_PRESET: {},
     # Section V: navigating among obstacles that may move.
-    "oriolo1998": {
-        "evidence.k_empty": 0.4,
-        "evidence.k_occupied": 0.4,
-        "evidence.range_margin": 0.15,
+    PAPER_PRESET: {
+        **_PAPER,
         "evidence.visibility_radius": 1.5,
         "evidence.dombi_lambda": 0.4,
-        "fusion.aggregation": "mean",
-        "fusion.max_count": 3,
-    },
-    # The rules beyond the paper, for navigating: echoes that the packet agrees on, infrareds
-    # beside sonars, sonars as a guard where infrared light sees nothing.
-    "consistent": {
-        # Few cones look through a doorway from before it, and the mean of perceptions does not
-        # grow: with 0.4 what was seen to be free through a narrow door did not open it.
-        "evidence.k_empty": 0.6,
-        "evidence.k_occupied": 0.4,
-        "evidence.range_margin": 0.1,
-        "evidence.visibility_radius": 1.5,
-        "evidence.dombi_lambda": 0.4,
-        "consistency.enabled": True,
-        "infrared_evidence.enabled": True,
-        "sonar_guard.enabled": True,
         "fusion.aggregation": "mean",
         "fusion.max_count": 3,
     },
     # Fig. 8: 43 perceptions of a corridor. Not fit for navigating: k_E is so small that one
     # perception never opens the beta-cut.
     "map_building": {
+        **_PAPER,
         "evidence.k_empty": 0.1,
         "evidence.k_occupied": 0.25,
-        "evidence.range_margin": 0.15,
         "evidence.visibility_radius": 1.2,
         "evidence.dombi_lambda": 0.4,
         "fusion.aggregation": "dombi",
@@ -60,6 +57,7 @@ PRESETS: dict[str, dict[str, Any]] = {
     # behind, and undoes what the cones in front had agreed on. The union keeps it. A packet
     # is three sweeps of the ring, in place of the three angles of a turret.
     "sparse_ring": {
+        **_PAPER,
         "mode": "continuous",
         "packet_size": 24,
         "fusion.aggregation": "dombi",
@@ -68,6 +66,7 @@ PRESETS: dict[str, dict[str, Any]] = {
     },
     # Lachekhab et al., Table II: a Pioneer 2 without a turret, aggregation by max.
     "lachekhab": {
+        **_PAPER,
         "sonar.frame_ids": tuple(f"sonar_{i}" for i in range(8)),
         "sonar.bearings": _PIONEER_BEARINGS,
         "sonar.min_range": 0.1,

@@ -184,7 +184,7 @@ class SonarGuardParameters:
     """What short sonar returns say where infrared light may go through, as through glass."""
 
     enabled: bool = parameter(
-        False,
+        True,
         doc="whether a short sonar return that no infrared hit explains counts as a hit",
     )
     perception_reach: float = parameter(

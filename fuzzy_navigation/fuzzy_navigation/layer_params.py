@@ -16,7 +16,7 @@ class LayerParameters:
     """What the clearance from the points that the sensors hit says of a cell."""
 
     enabled: bool = parameter(
-        False,
+        True,
         doc="whether hit points, of this perception and of the cells passed since, give cells a "
         "risk of their own on top of the map's; planner and motion have to agree",
     )

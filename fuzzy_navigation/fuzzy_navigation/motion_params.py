@@ -28,7 +28,7 @@ class ClearanceParameters:
     """When the motion stops in front of an obstacle that the infrareds see."""
 
     rule: str = parameter(
-        "closing",
+        "layer",
         doc="stop where the clearance at the next cell is below the limit and smaller than now "
         "(closing), wherever it is below the limit (strict, the paper's wording), or where it is "
         "smaller than now and its risk in the clearance layer is above the rung that the path was "

@@ -22,7 +22,7 @@ from fuzzy_map_building.parameter_schema import (
     suggest,
     validate,
 )
-from fuzzy_map_building.params import TurretParameters
+from fuzzy_map_building.params import DEFAULT_PRESET, PAPER_PRESET, TurretParameters
 from fuzzy_map_building.sensor_params import (
     InfraredParameters,
     SonarGuardParameters,
@@ -40,6 +40,7 @@ from fuzzy_navigation.plan_types import MAX_TOLERANCE
 __all__ = [
     "DEFAULT_PRESET",
     "MOTION_PRESETS",
+    "PAPER_PRESET",
     "PLANNER_PRESETS",
     "ClearanceParameters",
     "FollowerParameters",
@@ -83,7 +84,7 @@ class PlannerParameters:
         source="paper, sections IV-A and V",
     )
     rung_choice: str = parameter(
-        "first",
+        "cheapest",
         doc="rung of the ladder whose path is taken: the lowest one that has a path (first), or "
         "the lowest one whose path costs no more than rung_factor times that of the highest "
         "rung, which admits what the others do (cheapest)",
@@ -117,7 +118,7 @@ class PlannerParameters:
         maximum=1.0,
     )
     least_risk: float = parameter(
-        0.0,
+        0.1,
         doc="risk that every cell of a path costs at least: that of known free ground, where "
         "ground that nobody has explored is not to be preferred to it",
         minimum=0.0,
@@ -132,14 +133,14 @@ class PlannerParameters:
         source="paper, section II",
     )
     augmentation: str = parameter(
-        "square",
+        "disc",
         doc="footprint of the augmentation: square of 2 round(radius / cell) + 1 cells, or disc "
         "of the cells whose centres are no farther than the radius",
         choices=("square", "disc"),
         source="paper, section IV-A",
     )
     diagonal: str = parameter(
-        "unit",
+        "sqrt2",
         doc="cost of a diagonal step: that of a straight one (unit) or sqrt(2) times it (sqrt2)",
         choices=("unit", "sqrt2"),
         source="paper, section IV-A",
@@ -183,7 +184,7 @@ class MotionParameters:
         source="paper, section II",
     )
     augmentation: str = parameter(
-        "square",
+        "disc",
         doc="footprint of the augmentation, as the planner's",
         choices=("square", "disc"),
         source="paper, section IV-A",
@@ -205,7 +206,7 @@ class MotionParameters:
         maximum=100_000,
     )
     frontier_looks: int = parameter(
-        0,
+        8,
         doc="looks from within frontier_reach after which a cell at the border of the explored "
         "area that has not opened is not worth another, and barred; 0: never",
         minimum=0,
@@ -219,7 +220,7 @@ class MotionParameters:
         maximum=100.0,
     )
     look_turn: float = parameter(
-        0.0,
+        0.618 * math.radians(22.5),
         doc="angle by which the robot turns before it looks again from a place where the last "
         "perception brought no progress: the golden section of the angle between two infrareds, "
         "so that none looks where another did; 0: it does not",
@@ -250,7 +251,7 @@ class MotionParameters:
         source="paper, section V",
     )
     slim_radius: float = parameter(
-        0.12,
+        0.0,
         doc="radius of a slimmer robot whose path is followed to where it leaves the explored "
         "area when the true one has none up to believed_free_alpha: wide cones make openings "
         "look narrower than they are, and from close by they look wider; 0: none",
@@ -266,7 +267,7 @@ class MotionParameters:
         maximum=MAX_TOLERANCE,
     )
     subcell_target: bool = parameter(
-        False,
+        True,
         doc="whether the robot drives through each cell of its path where the hit points leave it "
         "most room, at one of the nine places of layer.shift; if not, through its centre",
     )
@@ -276,40 +277,40 @@ class MotionParameters:
     infrared: InfraredParameters = field(default_factory=InfraredParameters)
     sonar: SonarParameters = field(default_factory=SonarParameters)
     turret: TurretParameters = field(default_factory=TurretParameters)
-    sonar_guard: SonarGuardParameters = field(default_factory=SonarGuardParameters)
+    # A corner beside an opening echoes off the sonar's axis: points aside would close it.
+    sonar_guard: SonarGuardParameters = field(
+        default_factory=lambda: SonarGuardParameters(spread=0.0)
+    )
     timeout: TimeoutParameters = field(default_factory=TimeoutParameters)
 
     def __post_init__(self) -> None:
         validate(self)
 
 
-DEFAULT_PRESET = "oriolo1998"
-
-#: What each preset changes, by dotted name. The defaults are the paper's rules, mended.
+#: What each preset changes of the defaults, by dotted name: the rules beyond the paper are the
+#: defaults (``consistent``), those of the paper, mended, are ``oriolo1998``.
 PLANNER_PRESETS: Mapping[str, Mapping[str, Any]] = {
-    "oriolo1998": {},
-    "consistent": {
-        "augmentation": "disc",
-        "diagonal": "sqrt2",
-        "least_risk": 0.1,
-        "rung_choice": "cheapest",
-        "layer.enabled": True,
+    DEFAULT_PRESET: {},
+    PAPER_PRESET: {
+        "augmentation": "square",
+        "diagonal": "unit",
+        "least_risk": 0.0,
+        "rung_choice": "first",
+        "layer.enabled": False,
     },
 }
 MOTION_PRESETS: Mapping[str, Mapping[str, Any]] = {
-    "oriolo1998": {},
-    "consistent": {
-        "augmentation": "disc",
-        "clearance.rule": "layer",
-        "frontier_looks": 8,
-        "look_turn": 0.618 * math.radians(22.5),
-        "layer.enabled": True,
-        # With infrared evidence openings do not look closed.
-        "slim_radius": 0.0,
-        "sonar_guard.enabled": True,
-        # A corner beside an opening echoes off the sonar's axis: points aside would close it.
-        "sonar_guard.spread": 0.0,
-        "subcell_target": True,
+    DEFAULT_PRESET: {},
+    PAPER_PRESET: {
+        "augmentation": "square",
+        "clearance.rule": "closing",
+        "frontier_looks": 0,
+        "look_turn": 0.0,
+        "layer.enabled": False,
+        # Without infrared evidence openings look closed.
+        "slim_radius": 0.12,
+        "sonar_guard.enabled": False,
+        "subcell_target": False,
     },
 }
 

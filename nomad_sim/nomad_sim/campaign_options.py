@@ -244,7 +244,7 @@ def _batches(given: Namespace) -> tuple[Batch, ...]:
             name,
             ROWS[name].description,
             tuple(spec(ROWS[name].world(seed), seed, ROWS[name].simulator) for seed in seeds),
-            ROWS[name].reached,
+            ROWS[name].reached[rules.preset],
             _command(given, "--reference", "--row", name),
         )
         for name in names

@@ -13,7 +13,7 @@ from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.types import InfraredReading, Pose2, SonarReading
 from fuzzy_navigation.mission import Mission
 from fuzzy_navigation.mission_types import Commands, Drive, Finish, Perceive, Phase, Plan
-from fuzzy_navigation.params import MotionParameters, motion_parameters
+from fuzzy_navigation.params import PAPER_PRESET, MotionParameters, motion_parameters
 from fuzzy_navigation.planner import PlanResult, PlanStatus
 
 GEOMETRY = GridGeometry(30, 20, 0.1)
@@ -23,7 +23,7 @@ STAND = Drive(0.0, 0.0)
 class AnyEvents(RuleBasedStateMachine):
     """Poses, maps, answers true and stale, goals, cancellations, silence, in any order."""
 
-    preset = "oriolo1998"
+    preset = PAPER_PRESET
 
     def __init__(self) -> None:
         super().__init__()

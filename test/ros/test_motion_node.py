@@ -115,7 +115,8 @@ def test_an_obstacle_in_front_stops_the_robot(scene: Scene) -> None:
     scene.robot.distance = math.inf
     result = scene.result(handle).result
     assert result.outcome == RESULT.REACHED
-    assert result.min_clearance == pytest.approx(0.15, abs=1e-3)
+    # What the infrared says, less the way that the robot brakes on.
+    assert 0.1 < result.min_clearance <= 0.15 + 1e-3
 
 
 def test_cancel_makes_the_robot_stand_within_200_ms(scene: Scene) -> None:

@@ -80,7 +80,6 @@ REQUESTS: list[dict[str, Any]] = [
     {"goal": at(START)},
     {"barred": [Point(x=1.05, y=1.85), Point(x=1.05, y=1.65), Point(x=90.0, y=0.0)]},
     {"barred": [Point(x=1.05, y=y) for y in np.arange(1.35, 2.1, 0.1)], "alpha": 0.6},
-    # Without the layer they do not count.
     {"hits": [Point(x=1.05, y=y) for y in np.arange(1.35, 2.1, 0.1)]},
     {"slim_radius": 0.12, "slim_above": 0.05},
 ]
@@ -99,6 +98,7 @@ def test_plan_path_answers_what_the_core_answers(planner: Driver) -> None:
             asked.adjacency,
             asked.tolerance,
             barred=[(point.x, point.y) for point in asked.barred],
+            hits=[(point.x, point.y) for point in asked.hits],
             slim_radius=asked.slim_radius,
             slim_above=asked.slim_above,
         )
@@ -118,29 +118,28 @@ def test_plan_path_answers_what_the_core_answers(planner: Driver) -> None:
     assert statuses == {PlanStatus.FOUND, PlanStatus.NO_PATH}
 
 
-def test_hits_count_as_soon_as_the_layer_is_on(planner: Driver) -> None:
+def test_hits_count_as_long_as_the_layer_is_on(planner: Driver) -> None:
     hits = [Point(x=1.05, y=1.35), Point(x=1.05, y=1.45)]
     positions = [(point.x, point.y) for point in hits]
-    without = planner.plan(hits=hits)
-    assert change(planner, "layer.enabled", True).successful
+    expected = core().plan(START, GOAL, hits=positions)
+    response = planner.plan(hits=hits)
+    assert response.message == expected.message
+    assert [(p.x, p.y) for p in path_from_msg(response.path)] == [
+        (p.x, p.y) for p in expected.poses
+    ]
+    without = planner.plan()
+    assert path_from_msg(response.path) != path_from_msg(without.path)
+    refused = planner.plan(hits=[Point(x=math.nan, y=1.0)])
+    assert refused.status == PlanPath.Response.BAD_REQUEST
+    assert "hits positions must be finite" in refused.message
+    refused = planner.plan(hits=[Point()] * (MOST_HITS + 1))
+    assert refused.status == PlanPath.Response.BAD_REQUEST
+    assert f"{MOST_HITS} at most" in refused.message
+    assert change(planner, "layer.enabled", False).successful
     try:
-        layered = core(planner_parameters(overrides={"layer.enabled": True}))
-        expected = layered.plan(START, GOAL, hits=positions)
-        response = planner.plan(hits=hits)
-        assert response.message == expected.message
-        assert [(p.x, p.y) for p in path_from_msg(response.path)] == [
-            (p.x, p.y) for p in expected.poses
-        ]
-        assert path_from_msg(response.path) != path_from_msg(without.path)
-        assert path_from_msg(planner.plan().path) == path_from_msg(without.path)
-        refused = planner.plan(hits=[Point(x=math.nan, y=1.0)])
-        assert refused.status == PlanPath.Response.BAD_REQUEST
-        assert "hits positions must be finite" in refused.message
-        refused = planner.plan(hits=[Point()] * (MOST_HITS + 1))
-        assert refused.status == PlanPath.Response.BAD_REQUEST
-        assert f"{MOST_HITS} at most" in refused.message
+        assert path_from_msg(planner.plan(hits=hits).path) == path_from_msg(without.path)
     finally:
-        assert change(planner, "layer.enabled", False).successful
+        assert change(planner, "layer.enabled", True).successful
 
 
 def test_get_plan_and_the_topic_plan(planner: Driver) -> None:

@@ -16,6 +16,7 @@ from typing import Any
 from matplotlib.figure import Figure
 from study import Study, parse_options
 
+from fuzzy_map_building.params import DEFAULT_PRESET
 from nomad_sim.missions import MissionResult, MissionSpec, run_spec
 from nomad_sim.reference import ROWS
 from nomad_sim.workers import run_in_parallel
@@ -125,7 +126,7 @@ def _spec(piece: Piece, case: Case, seed: int) -> MissionSpec:
     return MissionSpec(
         row.world(seed),
         seed,
-        "consistent",
+        DEFAULT_PRESET,
         mapper=piece.mapper,
         planner=piece.planner,
         motion=piece.motion,

@@ -17,7 +17,7 @@ from fuzzy_map_building.params import MapperParameters, mapper_parameters
 from fuzzy_map_building.perception import PerceptionSequence
 from fuzzy_map_building.types import Pose2, SonarReading
 from fuzzy_navigation.follower import Follower
-from fuzzy_navigation.params import motion_parameters
+from fuzzy_navigation.params import PAPER_PRESET, motion_parameters
 from nomad_sim.headless import CONTROL_PERIOD
 from nomad_sim.params import simulator_parameters
 from nomad_sim.simulator import Simulator
@@ -178,7 +178,7 @@ class _Operator:
         self.simulator = Simulator(
             world, simulator_parameters({"seed": seed}, world.parameters), start
         )
-        self._follower = Follower(motion_parameters().follower)
+        self._follower = Follower(motion_parameters(PAPER_PRESET).follower)
         self._assembler = ReadingAssembler(parameters)
         self._sequence = PerceptionSequence(parameters)
         self.places: list[tuple[float, float]] = []

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzy_map_building.params import PAPER_PRESET
 from fuzzy_navigation.mission_types import Phase
 from nomad_sim.headless import CONTROL_PERIOD, HeadlessMission, MissionLog
 from nomad_sim.mission_report import Moment, moment_of
@@ -71,7 +72,7 @@ class Run:
 def watch(item: tuple[str, int]) -> Run:
     """Run the mission of a (world, seed) and watch it."""
     world, seed = item
-    mission = HeadlessMission(world, seed=seed)
+    mission = HeadlessMission(world, seed=seed, preset=PAPER_PRESET)
     x, y = mission.mapper.geometry.centres()
     person = np.hypot(x[None, :] - PERSON[0], y[:, None] - PERSON[1]) <= PERSON_RADIUS
     watched: list[Watched] = []

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from study import Study
 
-from fuzzy_navigation.params import planner_parameters
+from fuzzy_navigation.params import PAPER_PRESET, planner_parameters
 from fuzzy_navigation.planner import Planner, PlanStatus
 from nomad_sim.render import Panel, Scene, draw_panels
 
@@ -88,7 +88,9 @@ class PathClaim(NamedTuple):
 
 def finished_planner(run: GuidedRun, epsilon: float, robot_radius: float) -> Planner:
     """Return a planner on the map of a run, unexplored cells barred."""
-    parameters = planner_parameters(overrides={"epsilon": epsilon, "robot_radius": robot_radius})
+    parameters = planner_parameters(
+        PAPER_PRESET, {"epsilon": epsilon, "robot_radius": robot_radius}
+    )
     planner = Planner(run.mapper.geometry, parameters)
     planner.set_map(run.mapper.planning_risk, barred=run.mapper.count == 0)
     return planner

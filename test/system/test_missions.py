@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
+from fuzzy_map_building.params import PAPER_PRESET
 from fuzzy_map_building.types import Pose2
 from nomad_sim.headless import CONTROL_PERIOD, HeadlessMission, MissionLog, random_start
 from nomad_sim.reference import clutter
@@ -20,11 +21,11 @@ FEW = {"perception_cap": 20}
 
 MISSIONS = {
     "lab": (lambda: load_world("lab"), 1, {}),
-    "lab, the other start": (lambda: load_world("lab"), 4, {}),
+    "lab, by the paper": (lambda: load_world("lab"), 4, {"preset": PAPER_PRESET}),
     "slalom": (lambda: load_world("slalom"), 2, {}),
     "office": (lambda: load_world("office"), 3, {}),
-    "clutter": (lambda: clutter(1), 1, {}),
-    "unreachable": (lambda: load_world("unreachable"), 1, FEW),
+    "clutter, by the paper": (lambda: clutter(1), 1, {"preset": PAPER_PRESET}),
+    "unreachable": (lambda: load_world("unreachable"), 1, {"motion": FEW}),
 }
 
 
@@ -41,9 +42,9 @@ class Watched:
 
 @pytest.fixture(scope="module", params=MISSIONS)
 def watched(request: pytest.FixtureRequest) -> Watched:
-    make, seed, motion = MISSIONS[request.param]
+    make, seed, options = MISSIONS[request.param]
     world = make()
-    mission = HeadlessMission(world, random_start(world, seed), seed=seed, motion=motion)
+    mission = HeadlessMission(world, random_start(world, seed), seed=seed, **options)
     poses = [mission.simulator.pose]
     tick = mission.tick
 

@@ -13,7 +13,7 @@ import pytest
 from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.mapper import FuzzyMapper
 from fuzzy_map_building.packet import ReadingAssembler
-from fuzzy_map_building.params import MapperParameters, mapper_parameters
+from fuzzy_map_building.params import PAPER_PRESET, MapperParameters, mapper_parameters
 from fuzzy_map_building.types import Pose2
 
 BEARINGS = tuple(math.radians(b) for b in (-90, -37.5, -22.5, -7.5, 7.5, 22.5, 37.5, 90))
@@ -143,7 +143,7 @@ def test_nothing_behind_the_walls_is_safe(mapper: FuzzyMapper) -> None:
 
 def test_the_weighted_mean_leaves_driven_cells_unsafe(log: Log, mapper: FuzzyMapper) -> None:
     """Why this ring has a preset of its own: the paper's aggregation needs its turret."""
-    mean = log.map(ring("oriolo1998"))
+    mean = log.map(ring(PAPER_PRESET))
     driven = log.driven(mean.geometry)
     share = {
         m.parameters.fusion.aggregation: np.mean([m.motion_risk[cell] <= BETA for cell in driven])

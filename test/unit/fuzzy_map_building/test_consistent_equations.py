@@ -152,8 +152,8 @@ def assert_equal(mapper: FuzzyMapper, scalar: ScalarMapper) -> None:
 @pytest.mark.parametrize("apex", ["center", "mount"])
 def test_cone_consistency_equals_its_formula(apex: str, moving: float) -> None:
     rng = np.random.default_rng([int(10 * moving), len(apex)])
-    parameters = mapper_parameters(overrides={"consistency.enabled": True, "sonar.apex": apex})
-    plain = mapper_parameters(overrides={"sonar.apex": apex})
+    parameters = mapper_parameters(overrides={"sonar.apex": apex})
+    plain = mapper_parameters(overrides={"sonar.apex": apex, "consistency.enabled": False})
     geometry = GridGeometry(30, 30, 0.1)
     mapper, scalar = (kind(geometry, parameters) for kind in (FuzzyMapper, ConsistentScalarMapper))
     for _ in range(3):

@@ -12,7 +12,7 @@ import pytest
 
 from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.mapper import FuzzyMapper
-from fuzzy_map_building.params import MapperParameters, mapper_parameters
+from fuzzy_map_building.params import PAPER_PRESET, MapperParameters, mapper_parameters
 from fuzzy_map_building.types import Pose2, SonarReading
 from unit.fuzzy_map_building.scalar_mapper import ScalarMapper
 
@@ -41,7 +41,8 @@ def random_packet(rng: np.random.Generator, p: MapperParameters, moving: bool) -
 def test_equals_the_equations_cell_by_cell(aggregation: str, apex: str, seed: int) -> None:
     rng = np.random.default_rng([seed, len(aggregation), len(apex)])
     parameters = mapper_parameters(
-        overrides={
+        PAPER_PRESET,
+        {
             "sonar.apex": apex,
             "sonar.lost_echo": ("neighbours", "full", "ignore")[int(rng.integers(3))],
             "sonar.field_of_view": float(rng.uniform(0.2, 0.44)),
@@ -53,7 +54,7 @@ def test_equals_the_equations_cell_by_cell(aggregation: str, apex: str, seed: in
             "evidence.dombi_lambda": float(rng.uniform(0.2, 2.0)),
             "fusion.aggregation": aggregation,
             "fusion.max_count": int(rng.integers(1, 4)),
-        }
+        },
     )
     geometry = GridGeometry(24, 21, 0.137, (-0.11, 0.05))
     mapper = FuzzyMapper(geometry, parameters)
@@ -79,7 +80,7 @@ def test_equals_the_equations_cell_by_cell(aggregation: str, apex: str, seed: in
 
 def test_a_packet_of_the_paper_s_ring_equals_the_equations() -> None:
     rng = np.random.default_rng(5)
-    parameters = mapper_parameters()
+    parameters = mapper_parameters(PAPER_PRESET)
     geometry = parameters.area.geometry()
     mapper = FuzzyMapper(geometry, parameters)
     scalar = ScalarMapper(geometry, parameters)

@@ -84,7 +84,7 @@ def test_each_sensor_is_taken_once_a_place() -> None:
 
 
 def test_nothing_is_kept_of_what_is_no_evidence() -> None:
-    gatherer = InfraredGatherer(mapper_parameters())
+    gatherer = InfraredGatherer(mapper_parameters(overrides={"infrared_evidence.enabled": False}))
     drive(gatherer, 0.0, 1.0)
     assert gatherer.readings() == []
     assert not gatherer.wants(Pose2(0.0, 0.0))

@@ -21,7 +21,7 @@ from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.jit import compiled
 from fuzzy_map_building.map_state import MapState
 from fuzzy_map_building.mapper import FuzzyMapper, warm_up
-from fuzzy_map_building.params import mapper_parameters
+from fuzzy_map_building.params import DEFAULT_PRESET, PAPER_PRESET, mapper_parameters
 from fuzzy_map_building.sonar_guard import cut_rays, guard_points
 from fuzzy_map_building.types import InfraredReading, Pose2, SonarReading
 
@@ -72,9 +72,10 @@ def test_maps_are_read_only_views() -> None:
     assert view.max() > 0.0  # a view, no copy
 
 
-def test_one_perception_of_the_paper_s_ring_opens_a_way_in_every_direction() -> None:
+@pytest.mark.parametrize("preset", [DEFAULT_PRESET, PAPER_PRESET])
+def test_one_perception_of_the_paper_s_ring_opens_a_way_in_every_direction(preset: str) -> None:
     # Without this the robot never starts: all cells around it must enter the beta-cut.
-    mapper = FuzzyMapper(LAB)
+    mapper = FuzzyMapper(LAB, mapper_parameters(preset))
     pose = Pose2(3.83, 3.12, 0.3)
     report = mapper.update(perception(pose, ranges=3.0))
     assert (report.accepted, report.rejected, mapper.perceptions) == (48, {}, 1)
@@ -102,7 +103,8 @@ def test_what_is_switched_off_changes_no_bit() -> None:
         "sonar_guard.enabled": True,
         "sonar_guard.perception_reach": 5.0,
     }
-    plain, other = FuzzyMapper(LAB), FuzzyMapper(LAB, mapper_parameters(overrides=switched_off))
+    plain = FuzzyMapper(LAB, mapper_parameters(PAPER_PRESET))
+    other = FuzzyMapper(LAB, mapper_parameters(PAPER_PRESET, switched_off))
     for seed in range(3):
         pose = Pose2(3.0 + 0.3 * seed, 3.0, 0.5 * seed)
         sonar = perception(pose, seed)
@@ -184,7 +186,8 @@ def test_the_count_grows_by_one_where_a_perception_spoke() -> None:
 
 @pytest.mark.parametrize("aggregation", ["mean", "dombi", "max"])
 def test_a_packet_without_a_usable_reading_is_no_perception(aggregation: str) -> None:
-    mapper = FuzzyMapper(LAB, mapper_parameters(overrides={"fusion.aggregation": aggregation}))
+    overrides = {"fusion.aggregation": aggregation, "infrared_evidence.enabled": False}
+    mapper = FuzzyMapper(LAB, mapper_parameters(overrides=overrides))
     mapper.update(perception(Pose2(3.8, 3.1)))
     before = snapshot(mapper)
     pose = Pose2(3.8, 3.1)

@@ -12,6 +12,7 @@ import yaml
 from fuzzy_map_building.parameter_schema import ParameterError, describe, flatten
 from fuzzy_map_building.params import (
     DEFAULT_PRESET,
+    PAPER_PRESET,
     PRESETS,
     AreaParameters,
     MapperParameters,
@@ -20,6 +21,8 @@ from fuzzy_map_building.params import (
     mapper_parameters,
 )
 
+#: The rules that go beyond the paper.
+BEYOND = ["consistency", "infrared_evidence", "sonar_guard"]
 FILE = Path(__file__).resolve().parents[3] / "fuzzy_map_building" / "config" / "mapper.yaml"
 
 
@@ -50,13 +53,34 @@ def test_the_parameter_file_names_every_preset() -> None:
     assert all(name in text for name in PRESETS)
 
 
-def test_defaults_are_the_paper_s() -> None:
+def test_the_robot_is_the_paper_s_whatever_the_rules() -> None:
     p = mapper_parameters()
     assert p == MapperParameters() == mapper_parameters(DEFAULT_PRESET)
+    assert DEFAULT_PRESET == "consistent"
+    paper = mapper_parameters(PAPER_PRESET)
+    assert (p.sonar, p.infrared, p.area, p.turret) == (
+        paper.sonar,
+        paper.infrared,
+        paper.area,
+        paper.turret,
+    )
     assert p.area.geometry().shape == (63, 76)
     assert p.packet_size == len(p.sonar.bearings) * len(p.turret.angles) == 48
     assert math.degrees(p.sonar.bearings[3]) == pytest.approx(67.5)
     assert [round(math.degrees(a), 6) for a in p.turret.angles] == [0.0, 7.5, 15.0]
+
+
+def test_the_paper_s_preset_holds_its_values_and_nothing_beyond_it() -> None:
+    p = mapper_parameters(PAPER_PRESET)
+    assert PAPER_PRESET == "oriolo1998"
+    assert (p.evidence.k_empty, p.evidence.k_occupied) == (0.4, 0.4)
+    assert (p.evidence.range_margin, p.evidence.visibility_radius) == (0.15, 1.5)
+    assert (p.evidence.dombi_lambda, p.fusion.aggregation, p.fusion.max_count) == (0.4, "mean", 3)
+    for name, values in PRESETS.items():
+        beyond = [group for group in BEYOND if getattr(mapper_parameters(name), group).enabled]
+        assert beyond == (BEYOND if name == DEFAULT_PRESET else []), name
+        assert values or name == DEFAULT_PRESET
+    assert MapperParameters().evidence.range_margin == 0.1
 
 
 @pytest.mark.parametrize("preset", PRESETS)

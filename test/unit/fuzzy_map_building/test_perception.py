@@ -270,7 +270,7 @@ def test_one_infrared_sweep_at_each_stand_and_no_waiting_for_it() -> None:
 
 
 def test_infrareds_are_not_taken_where_they_are_no_evidence() -> None:
-    robot = Robot(PARAMETERS)
+    robot = Robot(mapper_parameters(overrides={"infrared_evidence.enabled": False}))
     assert not robot.sequence.wants_infrared(robot.now)
     robot.sequence.start(robot.now)
     robot.run(10.0)

@@ -3,6 +3,7 @@
 """The sensor model: its functions at known points, its cones in the grid."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from fuzzy_map_building.sonar_model import SonarModel, empty_certainty, occupied
 from fuzzy_map_building.types import Pose2, SonarReading
 
 GRID = GridGeometry(60, 60, 0.1, (-3.0, -3.0))
-EVIDENCE = EvidenceParameters()
+EVIDENCE = EvidenceParameters(range_margin=0.15)
 SONAR = SonarParameters(mount_radius=0.0)
 ORIGIN = Pose2(0.0, 0.0)
 
@@ -70,7 +71,7 @@ def test_certainty_functions_at_their_corners() -> None:
 
 def evidence(readings: list, sonar: SonarParameters = SONAR, **values: float) -> np.ndarray:
     """Return E^k and O^k over the whole grid."""
-    local = SonarModel(sonar, EvidenceParameters(**values)).evidence(readings, GRID)
+    local = SonarModel(sonar, replace(EVIDENCE, **values)).evidence(readings, GRID)
     out = np.zeros((2, *GRID.shape))
     out[0][local.window.slices] = local.empty
     out[1][local.window.slices] = local.occupied

@@ -14,7 +14,7 @@ from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.types import InfraredReading, Pose2, SonarReading
 from fuzzy_navigation.mission import Mission
 from fuzzy_navigation.mission_types import Command, Commands, Drive, Finish, Perceive, Plan
-from fuzzy_navigation.params import MotionParameters, motion_parameters
+from fuzzy_navigation.params import PAPER_PRESET, MotionParameters, motion_parameters
 from fuzzy_navigation.planner import PlanResult, PlanStatus
 
 DT = 0.05
@@ -160,6 +160,11 @@ class Script:
         """Perceive and plan once more."""
         here = (self.pose.x, self.pose.y)
         return self.plan(self.perceive(commands), cells_along(here, *corners), alpha)
+
+
+def paper_script(**overrides: object) -> Script:
+    """Return a script of a robot that goes by the rules of the paper."""
+    return Script(motion_parameters(PAPER_PRESET, overrides))
 
 
 def finish_of(commands: Commands) -> Finish:

@@ -9,7 +9,7 @@ import pytest
 
 from fuzzy_map_building.types import InfraredReading, Pose2, SonarReading
 from fuzzy_navigation.hit_memory import HitMemory
-from fuzzy_navigation.params import InfraredParameters, motion_parameters
+from fuzzy_navigation.params import PAPER_PRESET, InfraredParameters, motion_parameters
 from fuzzy_navigation.surroundings import Surroundings
 
 RADIUS = 0.23
@@ -96,11 +96,12 @@ class TestMemory:
 
 
 LAYER = {"layer.enabled": True}
-GUARD = {"sonar_guard.enabled": True}
+GUARD = {"sonar_guard.enabled": True, "sonar_guard.spread": math.radians(6.0)}
 
 
 def around(**overrides: object) -> Surroundings:
-    return Surroundings(motion_parameters(overrides=overrides))
+    """Return surroundings in which nothing beyond the paper is on but what is given."""
+    return Surroundings(motion_parameters(PAPER_PRESET, overrides))
 
 
 class TestSurroundings:

@@ -104,7 +104,7 @@ def test_another_robot_augments_anew():
     planner = Planner(GEOMETRY)
     planner.set_map(risk)
     planner.parameters = dataclasses.replace(planner.parameters, robot_radius=0.1)
-    np.testing.assert_array_equal(planner.augmented_risk, augment(risk, 0.1, 0.1))
+    np.testing.assert_array_equal(planner.augmented_risk, augment(risk, 0.1, 0.1, "disc"))
 
 
 def test_what_is_refused_changes_nothing():

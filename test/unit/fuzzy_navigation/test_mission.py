@@ -23,6 +23,7 @@ from unit.fuzzy_navigation.mission_script import (
     Script,
     cells_along,
     finish_of,
+    paper_script,
     wall_at,
 )
 
@@ -192,7 +193,7 @@ def test_a_map_that_shuts_the_way_at_once_makes_it_brake() -> None:
 
 @pytest.mark.parametrize("wall", [2.5, 2.53, 2.57])
 def test_stops_before_the_cell_that_is_too_close_to_what_the_infrareds_see(wall: float) -> None:
-    script = Script()
+    script = paper_script()
     script.seen = wall_at(wall)
     script.set_out(GOAL)
     commands = script.run()
@@ -219,7 +220,7 @@ def test_a_wall_that_appears_in_front_makes_it_brake_within_its_clearance() -> N
 
 @pytest.mark.parametrize("clearance", [0.02, 0.13, 0.2, 0.4])
 def test_beside_a_wall_it_is_no_faster_than_its_clearance_lets_it_brake(clearance: float) -> None:
-    script = Script()
+    script = paper_script()
     script.pose = Pose2(1.05, 0.55, 0.5 * math.pi)
     script.seen = wall_at(1.05 + 0.23 + clearance)
     script.set_out((1.05, 3.05))
@@ -240,7 +241,7 @@ def test_along_a_wall_that_is_too_close_it_may_leave() -> None:
 
 
 def test_the_strict_rule_holds_it_at_a_wall_for_good() -> None:
-    script = Script(**{"clearance.rule": "strict"})
+    script = paper_script(**{"clearance.rule": "strict"})
     script.seen = wall_at(1.05 + 0.23 + 0.08)
     script.set_out((0.45, 2.05))
     for _ in range(5):
@@ -252,7 +253,7 @@ def test_the_strict_rule_holds_it_at_a_wall_for_good() -> None:
 
 
 def test_after_a_perception_without_progress_it_may_come_closer_once() -> None:
-    script = Script()
+    script = paper_script()
     script.seen = wall_at(2.45)
     script.set_out(GOAL)
     commands = script.run()

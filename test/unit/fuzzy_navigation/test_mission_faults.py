@@ -23,6 +23,7 @@ from unit.fuzzy_navigation.mission_script import (
     GEOMETRY,
     Script,
     finish_of,
+    paper_script,
     wall_at,
 )
 
@@ -51,7 +52,7 @@ def test_a_failed_perception_is_tried_again_and_then_given_up() -> None:
 
 
 def test_failures_are_forgotten_once_it_works() -> None:
-    script = Script()
+    script = paper_script()
     script.risk[:] = 1.0
     script.tick()
     commands = script.start(*GOAL)
@@ -229,7 +230,8 @@ def test_after_a_step_back_of_the_clock_it_still_sees() -> None:
     script.seen = wall_at(2.5)
     script.run()
     assert script.mission.feedback().last_stop is Stop.CLEARANCE
-    assert script.pose.x == pytest.approx(2.15, abs=0.01)
+    # Up to 12 cm before it, in the cell's part that leaves it most room.
+    assert script.pose.x == pytest.approx(2.105, abs=0.01)
 
 
 @pytest.mark.parametrize("phase", ["waiting", "perceiving", "planning", "moving", "retrying"])

@@ -15,6 +15,7 @@ from unit.fuzzy_navigation.mission_script import (
     cells_along,
     corridor,
     finish_of,
+    paper_script,
     wall_at,
 )
 
@@ -37,7 +38,7 @@ def test_the_planner_is_told_what_was_hit() -> None:
     for x, y in plan.hits:
         assert x == pytest.approx(1.75)
         assert math.dist((x, y), (1.05, 2.05)) <= RADIUS + 0.6
-    oriolo = Script()
+    oriolo = paper_script()
     oriolo.seen = wall_at(1.75)
     oriolo.tick()
     commands = oriolo.start(*GOAL)

@@ -17,6 +17,7 @@ from unit.fuzzy_navigation.mission_script import (
     Script,
     cells_along,
     finish_of,
+    paper_script,
     wall_at,
 )
 
@@ -35,7 +36,7 @@ GOAL = (3.05, 2.05)
 def test_no_progress_is_a_livelock_only_on_a_path_that_seems_free(
     alpha: float, outcome: Outcome, words: str
 ) -> None:
-    script = Script()
+    script = paper_script()
     script.risk[:] = 1.0
     commands = script.set_out(GOAL, alpha=alpha)
     for _ in range(5):
@@ -48,7 +49,7 @@ def test_no_progress_is_a_livelock_only_on_a_path_that_seems_free(
 
 
 def test_progress_begins_the_count_anew() -> None:
-    script = Script(livelock_limit=2)
+    script = paper_script(livelock_limit=2)
     script.risk[:, 20:] = 1.0
     commands = script.set_out(GOAL)
     commands = script.again(script.run(), GOAL, alpha=0.6)
@@ -62,7 +63,7 @@ def test_progress_begins_the_count_anew() -> None:
 
 
 def test_half_a_cell_to_the_next_cells_centre_is_progress() -> None:
-    script = Script(livelock_limit=1)
+    script = paper_script(livelock_limit=1)
     script.pose = Pose2(1.09, 2.05, 0.0)
     script.risk[:, 14:] = 1.0
     script.set_out(GOAL)
@@ -71,7 +72,7 @@ def test_half_a_cell_to_the_next_cells_centre_is_progress() -> None:
 
 
 def test_the_cap_on_perceptions_ends_it() -> None:
-    script = Script(perception_cap=3, livelock_limit=10)
+    script = paper_script(perception_cap=3, livelock_limit=10)
     script.risk[:] = 1.0
     commands = script.set_out(GOAL)
     for _ in range(2):
@@ -155,7 +156,7 @@ def test_a_risky_cell_under_the_body_does_not_hold_the_robot() -> None:
 
 
 def test_a_cell_that_stays_unexplored_before_it_is_kept_from_the_planner() -> None:
-    script = Script()
+    script = paper_script()
     script.risk[:, 20:] = 1.0
     script.set_out(GOAL)
     commands = script.perceive(script.run())

@@ -12,6 +12,7 @@ from fuzzy_map_building.parameter_schema import ParameterError, describe, flatte
 from fuzzy_navigation.params import (
     DEFAULT_PRESET,
     MOTION_PRESETS,
+    PAPER_PRESET,
     PLANNER_PRESETS,
     MotionParameters,
     PlannerParameters,
@@ -22,9 +23,24 @@ from fuzzy_navigation.params import (
 CONFIG = Path(__file__).parents[3] / "fuzzy_navigation" / "config"
 
 
-def test_defaults_are_those_of_the_method():
+def test_defaults_are_those_of_the_default_preset():
     planner = planner_parameters()
-    assert planner == PlannerParameters()
+    assert planner == PlannerParameters() == planner_parameters(DEFAULT_PRESET)
+    assert DEFAULT_PRESET == "consistent"
+    assert (planner.diagonal, planner.augmentation) == ("sqrt2", "disc")
+    assert (planner.rung_choice, planner.layer.enabled) == ("cheapest", True)
+    motion = motion_parameters()
+    assert motion == MotionParameters() == motion_parameters(DEFAULT_PRESET)
+    assert (motion.augmentation, motion.clearance.rule) == ("disc", "layer")
+    assert motion.layer == planner.layer
+    assert (motion.sonar_guard.enabled, motion.sonar_guard.spread) == (True, 0.0)
+    assert motion.subcell_target
+
+
+def test_the_paper_s_preset_holds_its_rules():
+    assert PAPER_PRESET == "oriolo1998"
+    planner = planner_parameters(PAPER_PRESET)
+    assert (planner.rung_choice, planner.layer.enabled) == ("first", False)
     assert (planner.cost, planner.epsilon, planner.tolerance) == ("g2", 0.2, 0.3)
     assert planner.alpha_ladder == (0.6, 0.7, 0.8, 0.9, 1.0)
     assert (planner.diagonal, planner.augmentation, planner.robot_radius) == (
@@ -32,8 +48,10 @@ def test_defaults_are_those_of_the_method():
         "square",
         0.23,
     )
-    motion = motion_parameters()
-    assert motion == MotionParameters()
+    motion = motion_parameters(PAPER_PRESET)
+    switches = (motion.layer.enabled, motion.sonar_guard.enabled, motion.subcell_target)
+    assert switches == (False, False, False)
+    assert motion.augmentation == "square"
     assert (motion.beta, motion.perception_cap, motion.livelock_limit) == (0.9, 80, 6)
     assert (motion.clearance.rule, motion.clearance.limit, motion.clearance.override) == (
         "closing",
@@ -54,7 +72,7 @@ def test_both_have_the_same_presets():
 
 
 def test_overrides_come_on_top():
-    assert planner_parameters("oriolo1998", {"alpha_ladder": [0.5, 1]}).alpha_ladder == (0.5, 1.0)
+    assert planner_parameters(PAPER_PRESET, {"alpha_ladder": [0.5, 1]}).alpha_ladder == (0.5, 1.0)
     nested = motion_parameters(overrides={"clearance": {"limit": 0.2, "override": 0.2}})
     dotted = motion_parameters(overrides={"clearance.limit": 0.2, "clearance.override": 0.2})
     assert nested == dotted

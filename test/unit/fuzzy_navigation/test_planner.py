@@ -10,7 +10,7 @@ from scipy import ndimage
 
 from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.types import Pose2
-from fuzzy_navigation.params import PlannerParameters
+from fuzzy_navigation.params import PAPER_PRESET, PlannerParameters, planner_parameters
 from fuzzy_navigation.planner import MOST_BARRED, MOST_HITS, Planner, PlanStatus
 from fuzzy_navigation.risk import path_risks
 
@@ -19,10 +19,10 @@ POINT_ROBOT = {"robot_radius": 0.0}
 
 
 def planner_for(risk, **parameters):
-    """Return a planner with a map whose lower left corner is (-1, 2) m."""
+    """Return a planner by the paper's rules, with a map whose lower left corner is (-1, 2) m."""
     height, width = risk.shape
     geometry = GridGeometry(width, height, 0.1, (-1.0, 2.0))
-    planner = Planner(geometry, PlannerParameters(**{**POINT_ROBOT, **parameters}))
+    planner = Planner(geometry, planner_parameters(PAPER_PRESET, POINT_ROBOT | parameters))
     planner.set_map(risk)
     return planner
 

@@ -19,10 +19,10 @@ GEOMETRY = GridGeometry(40, 30, 0.1, (-1.0, 2.0))
 
 
 def layered(risk=None, **parameters):
-    """A planner for a point, so that the map's risks stay in their cells, with the layer on."""
+    """A planner for a point, so that the map's risks stay in their cells and count as they are."""
     values = np.zeros((30, 40)) if risk is None else risk
-    overrides = {"layer": LayerParameters(enabled=True), "robot_radius": 0.0, **parameters}
-    planner = Planner(GEOMETRY, PlannerParameters(**overrides))
+    plain = {"robot_radius": 0.0, "least_risk": 0.0}
+    planner = Planner(GEOMETRY, PlannerParameters(**(plain | parameters)))
     planner.set_map(values)
     return planner
 
@@ -73,7 +73,7 @@ def test_a_narrow_gap_is_taken_on_a_higher_rung():
 
 
 def test_hit_points_without_the_layer_do_not_count():
-    planner = layered(tolerance=0.0, layer=LayerParameters())
+    planner = layered(tolerance=0.0, layer=LayerParameters(enabled=False))
     start, goal = centre(15, 5), centre(15, 35)
     with_hits = planner.plan(start, goal, hits=wall(5, 20, 20))
     assert with_hits.path.tolist() == planner.plan(start, goal).path.tolist()
@@ -138,13 +138,14 @@ def test_the_lowest_rung_that_is_not_much_dearer(cost, factor):
     result = planner.plan(start, goal)
     costs, paths = [], []
     for rung in (0.6, 0.7, 0.8, 0.9, 1.0):
-        found = find_path(risk, (15, 15), (15, 25), cost, rung, epsilon=0.2)
+        found = find_path(risk, (15, 15), (15, 25), cost, rung, epsilon=0.2, diagonal="sqrt2")
         costs.append(getattr(found, cost))
         paths.append(found.path)
     k = next(k for k in range(5) if costs[k] <= factor * min(costs))
     assert result.alpha == (0.6, 0.7, 0.8, 0.9, 1.0)[k]
     assert result.path.tolist() == paths[k].tolist()
-    assert layered(risk, cost=cost, tolerance=0.0).plan(start, goal).alpha == 0.6
+    first = layered(risk, rung_choice="first", cost=cost, tolerance=0.0)
+    assert first.plan(start, goal).alpha == 0.6
     if k:
         assert "much dearer one at alpha 0.6" in result.message
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fuzzy_map_building.grid import GridGeometry
-from fuzzy_navigation.params import PlannerParameters
+from fuzzy_navigation.params import PAPER_PRESET, planner_parameters
 from fuzzy_navigation.planner import Planner, PlanStatus
 from fuzzy_navigation.search import find_path
 
@@ -27,7 +27,9 @@ def closed_by_cones(belief: float = BELIEF) -> np.ndarray:
 
 
 def planner(risk: np.ndarray, **parameters: object) -> Planner:
-    out = Planner(GEOMETRY, PlannerParameters(robot_radius=0.23, tolerance=0.0, **parameters))
+    """Return a planner by the paper's rules, with which the slimmer robot is of use."""
+    overrides = {"robot_radius": 0.23, "tolerance": 0.0, **parameters}
+    out = Planner(GEOMETRY, planner_parameters(PAPER_PRESET, overrides))
     out.set_map(risk)
     return out
 

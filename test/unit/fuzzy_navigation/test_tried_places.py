@@ -39,7 +39,7 @@ def test_without_progress_the_robot_turns_before_it_looks_again() -> None:
 
 
 def test_without_the_rule_it_looks_at_once() -> None:
-    _, commands = blocked()
+    _, commands = blocked(look_turn=0.0)
     assert [type(c) for c in commands] == [Perceive]
 
 

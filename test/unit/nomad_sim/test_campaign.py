@@ -19,6 +19,7 @@ from typing import Any
 
 import pytest
 
+from fuzzy_map_building.params import DEFAULT_PRESET, PAPER_PRESET
 from nomad_sim import campaign
 from nomad_sim.campaign import main
 from nomad_sim.missions import MissionResult, MissionSpec, run_spec
@@ -161,7 +162,7 @@ def test_a_reference_row_is_held_to_the_share_of_the_method(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    log = run_spec(MissionSpec(load_world(small), 1, "oriolo1998"))
+    log = run_spec(MissionSpec(load_world(small), 1, PAPER_PRESET))
 
     def pretended(spec: MissionSpec) -> MissionResult:
         there = spec.seed <= reached
@@ -172,7 +173,8 @@ def test_a_reference_row_is_held_to_the_share_of_the_method(
         )
 
     monkeypatch.setattr(campaign, "run_spec", pretended)
-    assert main(["--reference", "--row", "gaps_0.75", "--jobs", "1"]) == code
+    paper = ["--preset", PAPER_PRESET]
+    assert main(["--reference", "--row", "gaps_0.75", "--jobs", "1", *paper]) == code
     lines = capsys.readouterr().out.splitlines()
     assert "17 of 20" in lines[1]
     assert f"{reached} of 20" in lines[1]
@@ -181,14 +183,19 @@ def test_a_reference_row_is_held_to_the_share_of_the_method(
     assert flaws == first + [f"seed {seed}" for seed in range(reached + 1, 21)]
 
 
-def test_a_reference_row_runs_in_its_own_world(capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize(
+    ("preset", "reached"), [(DEFAULT_PRESET, [20, 20]), (PAPER_PRESET, [20, 5])]
+)
+def test_a_reference_row_runs_in_its_own_world(
+    preset: str, reached: list[int], capsys: pytest.CaptureFixture[str]
+) -> None:
     code, document = run_json(
         capsys, "--reference", "--row", "clutter", "--row", "slalom_0.70", "--seeds", "1",
-        "--set", "motion.perception_cap=1",
+        "--set", "motion.perception_cap=1", "--preset", preset,
     )  # fmt: skip
     assert code == 1
     assert [batch["name"] for batch in document["batches"]] == ["clutter", "slalom_0.70"]
-    assert [batch["method"]["reached"] for batch in document["batches"]] == [20, 5]
+    assert [batch["method"]["reached"] for batch in document["batches"]] == reached
     replay = document["batches"][0]["missions"][0]["replay"]
     assert "--reference --row clutter" in replay
 

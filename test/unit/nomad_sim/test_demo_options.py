@@ -39,7 +39,7 @@ def test_defaults_are_the_laboratory_of_experiment_1(tmp_path: Path) -> None:
     options = parse_options(["--output", str(tmp_path)])
     assert options.world.name == "lab"
     assert (options.seed, options.rate, options.lockstep) == (0, DEFAULT_RATE, True)
-    assert (options.expected, options.preset) == ("reached", "oriolo1998")
+    assert (options.expected, options.preset) == ("reached", "consistent")
 
 
 def test_options_are_taken_over(room: Path, tmp_path: Path) -> None:

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from fuzzy_map_building.mapper import UpdateReport
-from fuzzy_map_building.params import PRESETS
 from fuzzy_map_building.types import InfraredReading, Pose2, RangeReading
 from fuzzy_navigation.mission_types import Outcome
 from nomad_sim.headless import CONTROL_PERIOD, HeadlessMission, random_start, run_mission
@@ -119,7 +118,7 @@ def test_maps_reach_the_planner_as_messages_carry_them(room: World) -> None:
 
 
 def test_infrareds_of_stands_and_of_the_way_are_in_the_packets(room: World) -> None:
-    mission = HeadlessMission(room, seed=1, mapper=PRESETS["consistent"])
+    mission = HeadlessMission(room, seed=1)
     packets, places = [], []
     update = mission.mapper.update
 

@@ -18,6 +18,7 @@ import pytest
 
 from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.map_server import export_map_server
+from fuzzy_map_building.params import DEFAULT_PRESET
 from nomad_sim import trial_campaign
 from nomad_sim.campaign import main
 from nomad_sim.cluster import run_on_cluster
@@ -147,7 +148,7 @@ def test_a_floor_plan_gives_missions(tmp_path: Path, capsys: pytest.CaptureFixtu
 
 @pytest.fixture(scope="module")
 def result() -> TrialResult:
-    return run_trial(Trial("clutter", 1, Rules("oriolo1998", motion={"perception_cap": 1})))
+    return run_trial(Trial("clutter", 1, Rules(DEFAULT_PRESET, motion={"perception_cap": 1})))
 
 
 def test_results_come_back_as_they_were(tmp_path: Path, result: TrialResult) -> None:
