@@ -92,9 +92,18 @@ class FuzzyFusion:
         planning : ndarray of float64
             M_p: what is not known at all is no risk.
         """
-        risks = np.empty((2, *empty.shape))
-        _risks(_cells(empty), _cells(occupied), self._lambda, _cells(risks[0]), _cells(risks[1]))
-        return risks[0], risks[1]
+        # Unexplored is a risk for motion and none for planning; that is most of a large map.
+        motion, planning = np.ones(empty.shape), np.zeros(empty.shape)
+        known = np.flatnonzero((empty > 0.0) | (occupied > 0.0))
+        _risks(
+            for_kernel(known),
+            _cells(empty),
+            _cells(occupied),
+            self._lambda,
+            _cells(motion),
+            _cells(planning),
+        )
+        return motion, planning
 
 
 def _cells(array: NDArray[Any]) -> Any:
@@ -138,14 +147,16 @@ def _aggregate(
 
 @njit
 def _risks(
+    known: NDArray[np.int64],
     empty: FloatArray,
     occupied: FloatArray,
     lam: float,
     motion: FloatArray,
     planning: FloatArray,
 ) -> None:
-    """Fill in the two risks, as `FuzzyFusion.risks` says; all shape (n,)."""
-    for k in range(len(empty)):
+    """Fill in the two risks of some cells, as `FuzzyFusion.risks` says."""
+    for i in range(len(known)):
+        k = known[i]
         e = empty[k]
         o = occupied[k]
         ambiguous = bounded_product(e, o)  # (11)

@@ -228,7 +228,8 @@ class MapperNode(Node):
             # Where a perception was made the robot stood, and its sweeps are in the packet.
             standing = self._build_map.sequence is not None
             self._gatherer.restart(readings[0].pose if standing else None)
-            self._maps.publish(self._mapper, max(reading.stamp for reading in readings))
+            newest = max(reading.stamp for reading in readings)
+            self._maps.publish(self._mapper, newest, report.window)
             return FusedPacket(self._mapper.perceptions, report.accepted, "")
         reasons = ", ".join(f"{n} {reason}" for reason, n in sorted(report.rejected.items()))
         return FusedPacket(

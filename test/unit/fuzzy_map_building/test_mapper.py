@@ -5,6 +5,7 @@
 import math
 import statistics
 import time
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -17,8 +18,9 @@ from fuzzy_map_building import (
     sonar_packet,
 )
 from fuzzy_map_building.evidence import fuzzy, union
-from fuzzy_map_building.grid import GridGeometry
+from fuzzy_map_building.grid import GridGeometry, Window
 from fuzzy_map_building.jit import compiled
+from fuzzy_map_building.map_grids import MapGrids
 from fuzzy_map_building.map_state import MapState
 from fuzzy_map_building.mapper import FuzzyMapper, warm_up
 from fuzzy_map_building.params import DEFAULT_PRESET, PAPER_PRESET, mapper_parameters
@@ -284,6 +286,39 @@ def test_state_is_a_copy_and_restores_exactly() -> None:
     other.update(perception(Pose2(4.0, 3.1), 1))
     assert_same(other, snapshot(mapper))
     assert (state.empty == then["empty"]).all()
+
+
+def test_risks_of_a_window_are_those_of_the_whole_maps() -> None:
+    mapper, asked = FuzzyMapper(LAB), FuzzyMapper(LAB)
+    for seed in range(4):
+        readings = perception(Pose2(2.0 + seed, 3.0), seed)
+        report = mapper.update(readings)
+        asked.update(readings)
+        # One that keeps its risk maps from the start, and one that is asked by windows only.
+        for window in (report.window, Window(0, 63, 0, 76), Window(20, 21, 30, 40)):
+            motion, planning = mapper.risks(window)
+            np.testing.assert_array_equal(asked.motion_risk[window.slices], motion)
+            np.testing.assert_array_equal(asked.planning_risk[window.slices], planning)
+    assert mapper._kept_risks is None
+
+
+def test_a_mapper_that_is_asked_by_windows_takes_20_bytes_a_cell() -> None:
+    geometry = GridGeometry(1500, 1500, 0.1)
+    warm_up()
+    tracemalloc.start()
+    try:
+        mapper = FuzzyMapper(geometry)
+        grids = MapGrids(mapper)
+        for seed in range(3):
+            report = mapper.update(perception(Pose2(75.0 + seed, 75.0), seed))
+            grids.refresh(mapper, report.window)
+        kept, most = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    cells = 1500 * 1500
+    assert kept < 20.1 * cells + 3.1 * cells  # with the grids to publish
+    # What comes and goes does not grow with the map.
+    assert most < kept + 20e6
 
 
 def test_a_state_of_another_grid_is_refused() -> None:
