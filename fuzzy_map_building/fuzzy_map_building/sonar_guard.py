@@ -26,7 +26,7 @@ from fuzzy_map_building.sensor_params import (
     SonarParameters,
 )
 from fuzzy_map_building.sonar_packet import SonarPacket
-from fuzzy_map_building.types import InfraredReading, SonarReading, wrap_angle
+from fuzzy_map_building.types import InfraredReading, Pose2, SonarReading, wrap_angle
 
 __all__ = ["cut_rays", "guard_points", "ray_limits", "rim_points"]
 
@@ -196,6 +196,15 @@ def ray_limits(
     """
     short = _short(sonar, sonar_p, reach + robot_radius)
     return _limits(short, seen, sonar_p, guard) if short else None
+
+
+def warm_up() -> None:
+    """Compile the kernels called here, or load them from the cache."""
+    here = Pose2(0.0, 0.0)
+    rings = (SonarParameters(), InfraredParameters(), SonarGuardParameters())
+    guard_points(
+        [SonarReading(here, 0.0, 0.5)], [InfraredReading(here, 1.0, 0.5)], *rings, 1.0, 0.0
+    )
 
 
 def _short(

@@ -25,7 +25,6 @@ from rclpy.node import Node
 from sensor_msgs.msg import Range
 
 from fuzzy_map_building.grid import GridGeometry
-from fuzzy_map_building.mapper import warm_up
 from fuzzy_map_building.ros import names, qos
 from fuzzy_map_building.ros.clock import create_steady_timer, now_seconds, seconds_from_stamp
 from fuzzy_map_building.ros.conversions import (
@@ -39,6 +38,7 @@ from fuzzy_map_building.ros.conversions import (
 from fuzzy_map_building.ros.diagnostics import Diagnostics
 from fuzzy_map_building.ros.parameters import declare_parameters
 from fuzzy_map_building.ros.run import spin_node
+from fuzzy_map_building.sonar_guard import warm_up
 from fuzzy_navigation.control_tick import SILENCE, ControlTicks, Tick, Untimely
 from fuzzy_navigation.map_times import MapTimes
 from fuzzy_navigation.mission import Mission
@@ -82,7 +82,7 @@ class MotionNode(Node):
             self, motion_parameters, MOTION_PRESETS, on_change=self._use_parameters
         )
         parameters = self._settings.values
-        warm_up()  # the guard by short echoes calls some of these kernels
+        warm_up()  # before the first tick, which would otherwise wait for the compiler
         self._frames = parameters.infrared.frame_ids
         self._ticks = ControlTicks(parameters.infrared.bearings)
         self._time = PoseTime()
