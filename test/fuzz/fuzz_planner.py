@@ -81,6 +81,9 @@ class Case:
         many = 3000 if draw.one_in(24) else 1
         request.barred = [messages.point(draw, x0, y0) for _ in range(draw.below(5))] * many
         request.hits = [messages.point(draw, x0, y0) for _ in range(draw.below(5))] * many
+        if draw.one_in(3):
+            request.slim_radius = messages.float32(draw.number(lambda: draw.between(0.0, 0.2)))
+            request.slim_above = messages.float32(draw.number(lambda: draw.choice((0.6, 1.0))))
         rejected = self.bench.rejected()
         answer = self.node._on_plan_path(request, PlanPath.Response())
         assert 0 < len(answer.message) < 3000

@@ -84,6 +84,7 @@ def fuzz(target: str, cases: int, seed: int, engine: str, output: Path) -> Repor
     folder.mkdir(parents=True, exist_ok=True)
     began = time.monotonic()
     with tempfile.TemporaryDirectory() as scratch:
+        log = Path(scratch) / "log"
         for start in range(MOST_STARTS):
             left = cases - report.cases
             if left <= 0:
@@ -93,17 +94,17 @@ def fuzz(target: str, cases: int, seed: int, engine: str, output: Path) -> Repor
             command = [sys.executable, __file__, "--child", target, "--cases", str(left)]
             command += ["--seed", str(seed + start), "--engine", engine, "--output", str(folder)]
             command += ["--slot", str(slot.path), "--result", str(result)]
-            why = _watch(command, slot, Path(scratch) / "log")
+            why = _watch(command, slot, log)
             count, data = slot.read()
             report.cases += count
             if why and count == 0:  # it did not come as far as a case
-                report.findings.append(f"{why}\n{(Path(scratch) / 'log').read_text()[-3000:]}")
+                report.findings.append(f"{why}\n{_end_of(log)}")
                 break
             if result.exists():
                 _add(report, json.loads(result.read_text()))
             if why:
                 name = str(finding_file(folder, why, data))
-                report.findings.append(f"{why}: {name}\n{(Path(scratch) / 'log').read_text()}")
+                report.findings.append(f"{why}: {name}\n{_end_of(log)}")
     report.seconds = time.monotonic() - began
     return report
 
@@ -124,6 +125,10 @@ def _watch(command: Sequence[str], slot: Slot, log: Path) -> str:
                 process.wait()
                 return "hang"
     return "" if process.returncode == 0 else f"died_{process.returncode}".replace("-", "signal_")
+
+
+def _end_of(log: Path) -> str:
+    return log.read_text(errors="replace")[-3000:]
 
 
 def _add(report: Report, result: dict[str, Any]) -> None:

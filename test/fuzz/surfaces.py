@@ -20,6 +20,7 @@ _MODULES = {
     "parameter_file": "fuzz_parameters",
     "command_line": "fuzz_parameters",
     "trials": "fuzz_trials",
+    "wire": "fuzz_wire",
     "mapper": "fuzz_mapper",
     "mapper_continuous": "fuzz_mapper",
     "mapper_parameters": "fuzz_mapper",

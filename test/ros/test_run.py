@@ -67,6 +67,22 @@ def test_a_node_may_say_goodbye() -> None:
     assert done.stdout == "heard by an executor that still spins\n"
 
 
+@pytest.mark.parametrize(("given", "wanted"), [(None, "LOCALHOST"), ("SUBNET", "SUBNET")])
+def test_only_this_machine_is_spoken_to_unless_told_otherwise(
+    given: str | None, wanted: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if given is None:
+        monkeypatch.delenv("ROS_AUTOMATIC_DISCOVERY_RANGE", raising=False)
+    else:
+        monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", given)
+    done = run("""
+        # What the middleware will read, before it begins.
+        rclpy.init = lambda **given: print(os.getenv("ROS_AUTOMATIC_DISCOVERY_RANGE"))
+        spin_node(lambda: sys.exit(0))
+    """)
+    assert done.stdout == f"{wanted}\n", done.stderr
+
+
 def test_a_signal_during_the_start_ends_the_node_when_it_is_up() -> None:
     done = run("""
         def slow():

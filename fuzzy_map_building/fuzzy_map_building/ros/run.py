@@ -15,6 +15,7 @@ flag, and everything is taken down in order by the thread that spins.
 from __future__ import annotations
 
 import contextlib
+import os
 import signal
 import sys
 import time
@@ -30,7 +31,17 @@ from rclpy.utilities import remove_ros_args
 
 from fuzzy_map_building.ros.addressed import Addressed
 
-__all__ = ["EXIT_FAULT", "EXIT_REFUSED", "StopRequest", "spin_node", "stop_on_signals"]
+__all__ = [
+    "DISCOVERY_RANGE",
+    "EXIT_FAULT",
+    "EXIT_REFUSED",
+    "StopRequest",
+    "spin_node",
+    "stop_on_signals",
+]
+
+#: Variable that says how far nodes look for each other.
+DISCOVERY_RANGE: Final = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 
 #: Exit code of a process that a fault in the program has ended.
 EXIT_FAULT: Final = 1
@@ -131,6 +142,8 @@ def _start(factory: Callable[[], Node], argv: list[str]) -> Node:
     try:
         unknown = remove_ros_args(args=argv)[1:]
         if not unknown:
+            # Whoever reaches a node can drive the robot: only this machine, unless told otherwise.
+            os.environ.setdefault(DISCOVERY_RANGE, "LOCALHOST")
             rclpy.init(args=argv, signal_handler_options=SignalHandlerOptions.NO)
     except Exception as error:  # rclpy raises several unrelated types for a bad command line
         raise ValueError(f"the command line was refused: {error}") from error

@@ -29,6 +29,8 @@ from dataclasses import dataclass
 from types import TracebackType
 from typing import IO, Final
 
+from fuzzy_map_building.ros.run import DISCOVERY_RANGE
+
 __all__ = [
     "CLEAN_ENDS",
     "DISCOVERY_RANGE",
@@ -38,8 +40,6 @@ __all__ = [
     "python_module",
 ]
 
-#: Environment variable that limits where DDS looks for others.
-DISCOVERY_RANGE: Final = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 #: Time that processes get to end after the stop before they are killed [s]. Taking a node down
 #: needs 0.6 s of a processor, which on a machine that starves it can be more than 10 s.
 GRACE: Final = 30.0
