@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -181,7 +181,7 @@ class FuzzyMapper:
         Raises
         ------
         ValueError
-            If an element is no RangeReading. The map is then as it was.
+            If it is no sequence, or an element is no RangeReading. The map is then as it was.
         """
         sonar, infrared, others = _sorted_by_kind(readings)
         if not self._parameters.infrared_evidence.enabled:
@@ -278,8 +278,13 @@ def _sorted_by_kind(
     Raises
     ------
     ValueError
-        If an element is no reading at all.
+        If it is no sequence, or an element is no reading at all.
     """
+    if not isinstance(readings, Collection):
+        raise ValueError(
+            f"a packet is a sequence of readings, got a {type(readings).__name__}; an empty list "
+            "is a packet without any; the map was not changed"
+        )
     sonar = [r for r in readings if isinstance(r, SonarReading)]
     infrared = [r for r in readings if isinstance(r, InfraredReading)]
     others = len(readings) - len(sonar) - len(infrared)

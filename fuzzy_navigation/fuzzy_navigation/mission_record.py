@@ -19,6 +19,8 @@ __all__ = ["MissionRecord", "checked_tolerance"]
 ARRIVAL_MARGIN = 0.01
 #: Distance between two recorded positions [m].
 SPACING = 0.02
+# Of the least clearance: micrometres.
+_DECIMALS = 6
 
 
 def checked_tolerance(tolerance: float) -> float:
@@ -114,6 +116,7 @@ class MissionRecord:
             message,
             self.perceptions,
             self._path_length,
-            self._min_clearance,
+            # A sensor that touches something reads 0, less a rounding error.
+            round(self._min_clearance, _DECIMALS) + 0.0,
             time - self.started,
         )

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -299,10 +299,10 @@ class Planner:
             if path is not None and getattr(path, request.cost) <= limit:
                 break
         else:
-            goal_blocked = rungs.blocked(query, request.rungs[-1])
-            return PlanResult(
-                PlanStatus.NO_PATH, _no_path(request, goal_blocked), alpha=request.rungs[-1]
-            )
+            last = request.rungs[-1]
+            goal_blocked = rungs.blocked(query, last)
+            message = _no_path(request, goal_blocked) + self._closed_by_request(request, query)
+            return PlanResult(PlanStatus.NO_PATH, message, alpha=last)
         message = f"path of {len(path.path)} cells at alpha {rung:g}"
         if rung > request.rungs[0]:
             dearer = found[request.rungs[0]] is not None
@@ -324,6 +324,22 @@ class Planner:
             rung,
             sum(result.expanded for result in found.values() if result is not None),
         )
+
+    def _closed_by_request(self, request: _Request, query: Query) -> str:
+        """Say what of the request, not of the map, closes a way that the map has; else nothing."""
+        hits, barred = "points that the robot's sensors hit", "cells that it was barred from"
+        unbarred = replace(query, barred=query.barred[:0])
+        tries = []
+        if request.layer is not None:
+            tries.append((None, query, hits))
+        if len(query.barred) > 0:
+            tries.append((request.layer, unbarred, barred))
+        if len(tries) == 2:
+            tries.append((None, unbarred, f"{hits} and {barred}"))
+        for layer, tried, what in tries:
+            if self._map.rungs(layer).search(tried, request.rungs[-1]) is not None:
+                return f"; the map by itself has a path, which {what} close"
+        return ""
 
     def _goal_cells(self, goal: tuple[float, float], tolerance: float) -> NDArray[np.int64]:
         """Return the cells where a path may end, nearest first, shape (n, 2)."""

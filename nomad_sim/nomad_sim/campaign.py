@@ -23,6 +23,7 @@ from nomad_sim.campaign_files import (
     BatchResults,
     campaign_document,
     mission_document,
+    refuse_other_kind,
     to_json,
     write_campaign,
 )
@@ -90,6 +91,8 @@ def _good_enough(done: BatchResults) -> bool:
 
 def _run(options: Options) -> int:
     """Run batch after batch; show and write what is there after each."""
+    if options.output is not None:
+        refuse_other_kind(options.output, drawn=options.trials is not None)
     if options.trials is not None:
         return run_trials(
             options.trials, options.jobs, options.cluster, options.output, options.as_json

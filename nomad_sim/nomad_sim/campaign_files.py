@@ -22,9 +22,11 @@ from nomad_sim.reference import MISSIONS
 
 __all__ = [
     "FORMAT",
+    "TRIALS_FILE",
     "BatchResults",
     "campaign_document",
     "mission_document",
+    "refuse_other_kind",
     "to_json",
     "versions",
     "write_campaign",
@@ -32,6 +34,8 @@ __all__ = [
 
 #: Layout of the documents; raised when a key changes its meaning.
 FORMAT = 1
+#: Name of the file to which each result of worlds that are drawn goes at once.
+TRIALS_FILE = "trials.jsonl"
 
 
 @dataclass(frozen=True)
@@ -128,6 +132,34 @@ def mission_document(
         "mission": asdict(result) | {"replay": batch.replay_command(result.seed)},
         "perceptions": [asdict(entry) | {"stop": entry.stop.name.lower()} for entry in entries],
     }
+
+
+def refuse_other_kind(folder: Path, drawn: bool) -> None:
+    """Refuse a folder with results that those of this campaign would be mixed with.
+
+    Parameters
+    ----------
+    folder : Path
+        Where the results are to go.
+    drawn : bool
+        Whether they are of worlds or places that are drawn, and not of ``--world`` or
+        ``--reference``.
+
+    Raises
+    ------
+    ValueError
+        If results of the other kind are there.
+    """
+    there = (folder / TRIALS_FILE).exists()
+    if drawn and not there and (folder / "campaign.json").exists():
+        raise ValueError(
+            f"--output {folder} holds results of --world or --reference; use another --output"
+        )
+    if there and not drawn:
+        raise ValueError(
+            f"--output {folder} holds results of --generated or --floor-plan ({TRIALS_FILE}); "
+            "use another --output"
+        )
 
 
 def write_campaign(folder: Path, done: Sequence[BatchResults]) -> list[Path]:

@@ -33,6 +33,8 @@ _RELEASE = 1e-3
 _RESTING = 1e-7
 # Overlap that is none: driving along a wall in touch with it must not jam [m].
 _ROUNDING = 1e-9
+# Of the least clearance: nanometres.
+_DECIMALS = 9
 # Longest step [s].
 _LONGEST = 1.0
 # Largest angle that the turret is sent to [rad].
@@ -218,8 +220,8 @@ class Simulator:
 
     @property
     def least_clearance(self) -> float:
-        """Smallest clearance so far [m], looked at five times a step."""
-        return self._least_clearance
+        """Smallest clearance so far [m], looked at five times a step; 0 where it touched."""
+        return round(self._least_clearance, _DECIMALS) + 0.0
 
     def clearance(self) -> float:
         """Return the distance [m] between the body and the nearest surface, negative inside."""

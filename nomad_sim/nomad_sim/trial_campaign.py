@@ -14,7 +14,7 @@ from typing import Any
 
 from tqdm import tqdm
 
-from nomad_sim.campaign_files import FORMAT, to_json, versions
+from nomad_sim.campaign_files import FORMAT, TRIALS_FILE, to_json, versions
 from nomad_sim.cluster import run_on_cluster
 from nomad_sim.trial_file import TrialFile
 from nomad_sim.trial_report import Tally, report, report_lines
@@ -23,8 +23,6 @@ from nomad_sim.workers import run_in_parallel
 
 __all__ = ["run_trials"]
 
-#: Name of the file in --output to which each result goes at once.
-TRIALS_FILE = "trials.jsonl"
 #: Most missions that are told one by one.
 _TOLD = 20
 

@@ -72,6 +72,11 @@ def test_files_for_several_nodes_and_wildcards_are_nobodys_mistake(
         assert addressed("--params-file", write(content)).unheard(node) == []
 
 
+def test_an_empty_file_says_so(write: Callable[[str], str]) -> None:
+    (told,) = addressed("--params-file", write("# nothing")).unheard("fuzzy_mapper")
+    assert told.endswith(" is empty")
+
+
 def test_a_node_under_another_name_is_known_by_it(write: Callable[[str], str]) -> None:
     path = write(f"mapster: {PARAMETERS}\nfuzzy_maps: {PARAMETERS}")
     with pytest.raises(ValueError, match="no node 'fuzzy_maps'"):

@@ -126,7 +126,9 @@ class Addressed:
         """
         return [
             f"{file.text} has no section for '{node}', only for "
-            f"{', '.join(map(repr, file.nodes)) or 'none'}: nothing of it is used here"
+            f"{', '.join(map(repr, file.nodes))}: nothing of it is used here"
+            if file.nodes
+            else f"{file.text} is empty"
             for file in self._files
             if not any(_last(name) in (node, "*", "**", *_KNOWN) for name in file.nodes)
         ]

@@ -36,6 +36,9 @@ NODES: Final[Mapping[str, str]] = {
 #: Simulated seconds a second: what two cores keep up with in lockstep.
 DEFAULT_RATE: Final = 8.0
 
+#: Domains whose ports all fit below those that the system hands out.
+_DOMAINS: Final = range(102)
+
 _EPILOG: Final = """\
 exit codes:
   0    the verdict is the true one and the robot touched nothing
@@ -185,7 +188,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--domain",
         type=_domain,
-        help="ROS_DOMAIN_ID, e.g. to watch with RViz (default: one that nobody uses)",
+        help=f"ROS_DOMAIN_ID from {_DOMAINS[0]} to {_DOMAINS[-1]}, e.g. to watch with RViz "
+        "(default: one that nobody uses)",
     )
     return parser
 
@@ -206,8 +210,10 @@ def _positive(text: str) -> float:
 
 def _domain(text: str) -> int:
     value = int(text)
-    if not 0 <= value <= 101:
-        raise argparse.ArgumentTypeError(f"must be from 0 to 101, got {text}")
+    if value not in _DOMAINS:
+        raise argparse.ArgumentTypeError(
+            f"must be from {_DOMAINS[0]} to {_DOMAINS[-1]}, got {text}"
+        )
     return value
 
 
@@ -225,13 +231,14 @@ def _moved(world: World, start: list[float] | None, goal: list[float] | None) ->
 
 def _check_parameter_file(path: Path) -> None:
     """Refuse a file that ROS would refuse later, or would silently not use."""
+    known = set(NODES.values())
     try:
         sections = section_names(path)
     except ValueError as error:
         raise ValueError(f"--params-file {error}") from error
     if not sections:
-        raise ValueError(f"--params-file {path} is empty")
-    known = set(NODES.values())
+        nodes = ", ".join(sorted(known))
+        raise ValueError(f"--params-file {path} is empty: it has no section for any of {nodes}")
     for name in sections:
         node = name.rsplit("/", 1)[-1]
         if node not in known and "*" not in node:

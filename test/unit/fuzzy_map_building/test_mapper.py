@@ -211,6 +211,15 @@ def test_a_packet_without_a_usable_reading_is_no_perception(aggregation: str) ->
     assert_same(mapper, before)
 
 
+@pytest.mark.parametrize("packet", [None, 3.0, SonarReading(Pose2(1.0, 1.0), 0.0, 1.0)])
+def test_what_is_no_packet_is_refused(packet: object) -> None:
+    mapper = FuzzyMapper(LAB)
+    kind = type(packet).__name__
+    with pytest.raises(ValueError, match=f"sequence of readings, got a {kind}"):
+        mapper.update(packet)  # type: ignore[arg-type]
+    assert mapper.perceptions == 0
+
+
 def test_a_packet_with_a_stranger_is_refused_whole() -> None:
     mapper = FuzzyMapper(LAB)
     before = snapshot(mapper)

@@ -240,6 +240,15 @@ def test_along_a_wall_that_is_too_close_it_may_leave() -> None:
     assert finish_of(tuple(script.commands)).min_clearance == pytest.approx(0.08, abs=0.001)
 
 
+def test_a_sensor_that_touches_leaves_no_clearance_and_no_less() -> None:
+    script = Script()
+    script.seen = lambda x, y, direction: 0.0 if math.cos(direction) < -0.9 else math.inf
+    script.set_out(GOAL)
+    finish = finish_of(script.run())
+    assert finish.outcome is Outcome.REACHED
+    assert str(finish.min_clearance) == "0.0"
+
+
 def test_the_strict_rule_holds_it_at_a_wall_for_good() -> None:
     script = paper_script(**{"clearance.rule": "strict"})
     script.seen = wall_at(1.05 + 0.23 + 0.08)

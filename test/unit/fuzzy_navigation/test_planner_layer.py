@@ -120,6 +120,33 @@ def test_the_least_risk_is_that_of_a_map_without_lesser_ones(cost, seed):
     np.testing.assert_array_equal(found.path, direct.path)
 
 
+COLUMN = [centre(row, 25) for row in range(30)]
+
+
+@pytest.mark.parametrize(
+    ("hits", "barred", "told"),
+    [
+        (wall(0, 29, 20), [], "points that the robot's sensors hit close"),
+        ([], COLUMN, "cells that it was barred from close"),
+        (wall(0, 29, 20), COLUMN, "robot's sensors hit and cells that it was barred from close"),
+        (wall(0, 29, 20), COLUMN[::2], "points that the robot's sensors hit close"),
+        ([centre(15, 5)], [], "points that the robot's sensors hit close"),  # at the start
+    ],
+)
+def test_what_the_request_closes_is_not_laid_to_the_map(hits, barred, told):
+    planner = layered(tolerance=0.0, robot_radius=0.23)
+    start, goal = centre(15, 5), centre(15, 35)
+    answer = planner.plan(start, goal, hits=hits, barred=barred)
+    assert answer.status is PlanStatus.NO_PATH
+    reason = answer.message.partition("; the map by itself has a path, which ")[2]
+    assert reason.endswith(told)
+    # Where the map has none either, it is the map's.
+    planner.set_map(two_doors(far_risk=1.0, near_risk=1.0))
+    answer = planner.plan(start, goal, alpha=0.6, hits=hits, barred=barred)
+    assert answer.status is PlanStatus.NO_PATH
+    assert "by itself" not in answer.message
+
+
 def two_doors(far_risk=0.0, near_risk=0.65):
     """A wall along column 20 with a near door of some risk and a free one far away."""
     risk = np.zeros((30, 40))

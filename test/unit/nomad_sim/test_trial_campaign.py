@@ -72,6 +72,26 @@ def test_a_campaign_is_taken_up_where_it_ended(
     assert capsys.readouterr().out.count("reached: goals that can be") == 4
 
 
+@pytest.mark.parametrize(
+    ("there", "arguments", "reason"),
+    [
+        ("trials.jsonl", ["--world", "lab", "--seeds", "1"], "--generated or --floor-plan"),
+        ("campaign.json", QUICK, "--world or --reference"),
+    ],
+)
+def test_results_of_two_kinds_are_not_mixed(
+    there: str,
+    arguments: list[str],
+    reason: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    (tmp_path / there).write_text("{}")
+    assert main([*arguments, "--jobs", "1", "--output", str(tmp_path)]) == 2
+    assert f"holds results of {reason}" in capsys.readouterr().err
+    assert [(file.name, file.read_text()) for file in tmp_path.iterdir()] == [(there, "{}")]
+
+
 def test_jobs_change_nothing(tmp_path: Path) -> None:
     for jobs in ("1", "2"):
         main([*QUICK, "--jobs", jobs, "--output", str(tmp_path / jobs)])
