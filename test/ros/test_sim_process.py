@@ -34,6 +34,18 @@ def room(tmp_path: Path) -> str:
     return write_room(tmp_path)
 
 
+def test_a_preset_for_all_nodes_does_not_end_it(
+    start_node: Start, room: str, tmp_path: Path
+) -> None:
+    file = tmp_path / "all.yaml"
+    file.write_text("/**: {ros__parameters: {preset: oriolo1998}}")
+    arguments = ["--ros-args", "--params-file", str(file)]
+    process = start_node("sim", arguments=arguments, parameters={"world": room})
+    process.wait_for_output("there are no presets here: 'oriolo1998' is not used")
+    process.wait_for_output("world 'room'")
+    process.assert_clean_stop()
+
+
 def test_a_tick_tells_what_the_core_measures(probe: Probe, start_node: Start, room: str) -> None:
     """Noise and all: the node adds nothing to the core but stamps."""
     deep = QoSProfile(depth=2000, reliability=ReliabilityPolicy.BEST_EFFORT)

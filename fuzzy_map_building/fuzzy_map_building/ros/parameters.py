@@ -171,7 +171,8 @@ def declare_parameters(
         `ParameterError`. For a dataclass without presets:
         ``lambda _, overrides: from_mapping(SimulatorParameters(), overrides)``.
     presets : iterable of str
-        Names of the presets. When there are none, no parameter ``preset`` is declared.
+        Names of the presets. When there are none, no parameter ``preset`` is declared, and one
+        that is given, as by a file's section for all nodes, is not used.
     default_preset : str
         The preset used when none is chosen; empty: the first of `presets`.
     on_change : callable, optional
@@ -196,8 +197,9 @@ def declare_parameters(
     }
     names = tuple(presets)
     preset = default_preset or (names[0] if names else "")
-    if names:
-        preset = given.pop(PRESET, preset)
+    preset = given.pop(PRESET, preset)
+    if not names and preset:
+        node.get_logger().warning(f"there are no presets here: {preset!r} is not used")
     if names and preset not in names:
         raise ParameterError(f"unknown preset {preset!r}{suggest(str(preset), names)}")
     parameters = NodeParameters(factory(preset, given), on_change)
