@@ -42,7 +42,7 @@ def test_a_preset_for_all_nodes_does_not_end_it(
     arguments = ["--ros-args", "--params-file", str(file)]
     process = start_node("sim", arguments=arguments, parameters={"world": room})
     process.wait_for_output("there are no presets here: 'oriolo1998' is not used")
-    process.wait_for_output("world 'room'")
+    process.wait_for_output("seed 0, rate 1")
     process.assert_clean_stop()
 
 
