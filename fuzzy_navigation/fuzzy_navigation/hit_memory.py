@@ -77,7 +77,12 @@ class HitMemory:
     @property
     def measured(self) -> Points:
         """The hit points (x, y) [m] but for those whose distance is a guess, shape (n, 2)."""
-        return self.points[: len(self.points) - len(self._guesses)]
+        return self.points[: len(self.points) - self.guesses]
+
+    @property
+    def guesses(self) -> int:
+        """How many points at the end of `points` and `added` are guesses."""
+        return len(self._guesses)
 
     @property
     def infrared(self) -> list[InfraredReading]:

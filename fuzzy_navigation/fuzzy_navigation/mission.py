@@ -378,8 +378,8 @@ class Mission:
         if verdict:
             return self._finish(verdict)
         self._record.stopped(self._motion.stopped, self._motion.came_on)
-        hits, ahead = self._around.near(self._time.clock, self._here), self._motion.next_point
-        self._tried.stopped(self._record, hits, ahead, self._known)
+        hits = self._around.near(self._time.clock, self._here, self._record.without_progress)
+        self._tried.stopped(self._record, hits, self._motion.next_point, self._known)
         verdict = verdicts.stalemate(self._record, self._here, self._p)
         if verdict or self._record.without_progress == 0 or not self._turn.begin(self._here):
             return self._finish(verdict) if verdict else self._perceive()

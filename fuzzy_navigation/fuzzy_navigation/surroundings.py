@@ -23,6 +23,8 @@ Points = NDArray[np.float64]
 
 #: Remembered points farther from the robot than this did not stop it [m].
 NEAR = 0.5
+#: Stops in a row without progress after which points whose distance is a guess are remembered.
+GUESSES_BELIEVED = 2
 
 _Phase = Enum("_Phase", ["IDLE", "STANDING", "MOVING"])
 
@@ -131,9 +133,20 @@ class Surroundings:
         """Return all hit points (x, y) [m] to keep clear of, shape (n, 2)."""
         return np.vstack([self.seen(now), self.remembered])
 
-    def near(self, now: float, pose: Pose2) -> Points:
-        """Return the hit points (x, y) [m] that may have stopped the robot, shape (n, 2)."""
+    def near(self, now: float, pose: Pose2, without_progress: int = 0) -> Points:
+        """Return the hit points (x, y) [m] that may have stopped the robot, shape (n, 2).
+
+        Parameters
+        ----------
+        now, pose
+            Time [s] and where the robot is.
+        without_progress : int
+            Stops in a row that brought it no farther: those points whose distance is a guess
+            count from `GUESSES_BELIEVED` on. Until then a look along other rays may explain them.
+        """
         remembered = self.remembered
+        if without_progress < GUESSES_BELIEVED:
+            remembered = remembered[: len(remembered) - self._memory.guesses]
         near = np.hypot(remembered[:, 0] - pose.x, remembered[:, 1] - pose.y) <= NEAR
         return np.vstack([self.seen(now), remembered[near]])
 

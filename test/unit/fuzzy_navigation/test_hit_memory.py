@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from fuzzy_map_building.sonar_guard import RIM_SPREAD
 from fuzzy_map_building.types import InfraredReading, Pose2, SonarReading
 from fuzzy_navigation.hit_memory import HitMemory
 from fuzzy_navigation.params import PAPER_PRESET, InfraredParameters, motion_parameters
@@ -139,6 +140,24 @@ class TestSurroundings:
         # Ahead at 1.73, remembered; behind at 0.57, too far; beside at 2.73, seen now.
         near = here.near(2.0, Pose2(1.3, 2.0))
         assert as_set(near) == {(1.73, 2.0), (1.3, 2.73)}
+
+    @pytest.mark.parametrize("layer", [True, False])
+    def test_an_echo_too_close_to_measure_counts_but_is_kept_only_when_it_lasts(
+        self, layer: bool
+    ) -> None:
+        here = around(**GUARD, **{"layer.enabled": layer})
+        here.begin_perception()
+        here.update(1.0, Pose2(1.0, 2.0), ring(1.0, 1.0), [])
+        here.end_perception()
+        here.update(2.0, Pose2(1.05, 2.0), ring(1.05, 2.0), [echo(-math.inf, 4, x=1.05)])
+        rim = {
+            (round(1.05 + 0.23 * math.cos(a), 9), round(2.0 + 0.23 * math.sin(a), 9))
+            for a in (math.pi / 2.0 + d for d in (0.0, RIM_SPREAD, -RIM_SPREAD))
+        }
+        assert as_set(here.known(2.0)) == rim
+        pose = Pose2(1.05, 2.0)
+        assert as_set(here.near(2.0, pose, 1)) == set()
+        assert as_set(here.near(2.0, pose, 2)) == rim
 
     def test_at_rest_nothing_is_remembered(self) -> None:
         here = around(**LAYER, **GUARD)
