@@ -329,7 +329,7 @@ class Planner:
         """Say what of the request, not of the map, closes a way that the map has; else nothing."""
         hits, barred = "points that the robot's sensors hit", "cells that it was barred from"
         unbarred = replace(query, barred=query.barred[:0])
-        tries = []
+        tries: list[tuple[RiskLayer | None, Query, str]] = []
         if request.layer is not None:
             tries.append((None, query, hits))
         if len(query.barred) > 0:
