@@ -24,9 +24,12 @@ try:
 except ImportError:  # not installed, or not for this numpy
     numba = None
 
-__all__ = ["compiled", "for_kernel", "njit"]
+__all__ = ["compiled", "for_kernel", "njit", "remark"]
 
 F = TypeVar("F", bound=Callable[..., Any])
+
+#: Names of the kernels that could not be given a place in a cache.
+_uncached: list[str] = []
 
 
 def compiled() -> bool:
@@ -55,6 +58,7 @@ def njit(function: F) -> F:
     try:
         kernel: F = numba.njit(cache=True, nogil=True)(function)
     except RuntimeError:  # numba: "no locator available", there is nowhere to write a cache
+        _uncached.append(function.__name__)
         return numba.njit(nogil=True)(function)  # type: ignore[no-any-return]
     # numba compares the kernel's own file only, but the machine code holds the kernels that
     # it calls, and those may live in other files of the package: all of them count.
@@ -63,6 +67,24 @@ def njit(function: F) -> F:
         stamp = _sources_stamp(Path(function.__code__.co_filename).parent)
         cache_file._source_stamp = (cache_file._source_stamp, stamp)
     return kernel
+
+
+def remark() -> str:
+    """Return what a user should know of how kernels run here; empty where all is well.
+
+    Returns
+    -------
+    str
+        One line: that they are not compiled, or that each process compiles them anew.
+    """
+    if not compiled():
+        return "kernels run as plain Python, many times slower: numba is missing or switched off"
+    if _uncached:
+        return (
+            "kernels are compiled anew by each process, which takes seconds: there is nowhere to "
+            "keep the code; set NUMBA_CACHE_DIR to a folder that can be written"
+        )
+    return ""
 
 
 def for_kernel(array: NDArray[Any]) -> Any:

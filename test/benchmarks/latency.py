@@ -3,8 +3,8 @@
 """How long a packet and a plan take in the laboratory.
 
 ``python test/benchmarks/latency.py [--repeats N] [--preset NAME]`` runs the laboratory's mission
-once, then fuses each of its packets and plans from each of its perceptions again, and prints
-medians.
+once, then takes each of its packets into beliefs and both risks and plans from each of its
+perceptions again, and prints medians.
 """
 
 from __future__ import annotations
@@ -61,7 +61,11 @@ def main(argv: Sequence[str] | None = None) -> None:
     run.run(lambda r: maps.append((r.simulator.pose, r.mapper.planning_risk.copy())))
 
     mapper = FuzzyMapper(recorder.geometry, recorder.parameters)
-    packets = milliseconds([lambda p=p: mapper.update(p) for p in recorder.packets], repeats)
+
+    def fuse(packet: list[RangeReading]) -> None:
+        mapper.risks(mapper.update(packet).window)
+
+    packets = milliseconds([lambda p=p: fuse(p) for p in recorder.packets], repeats)
     planner = Planner(recorder.geometry, run.planner.parameters)
 
     def plan(pose: Pose2, risk: NDArray[np.float64]) -> None:

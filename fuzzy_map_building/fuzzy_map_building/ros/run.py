@@ -29,6 +29,7 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
+from fuzzy_map_building import jit
 from fuzzy_map_building.ros.addressed import Addressed
 
 __all__ = [
@@ -156,6 +157,8 @@ def _start(factory: Callable[[], Node], argv: list[str]) -> Node:
     node = factory()
     for problem in addressed.unheard(node.get_name()):
         node.get_logger().warning(problem)
+    if slow := jit.remark():
+        node.get_logger().info(slow)
     return node
 
 
