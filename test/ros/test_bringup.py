@@ -70,6 +70,7 @@ def test_a_signal_ends_all_of_them(
 ) -> None:
     robot = Robot(probe, start_node)
     nodes = robot.wait()
+    robot.process.wait_for_output("bringup: started mapper, planner, motion")
     robot.process.assert_clean_stop(number)
     assert not any(map(alive, nodes.values()))
 
@@ -97,7 +98,7 @@ def test_a_signal_right_after_the_start_ends_all_of_them(
     start_node: Callable[..., NodeProcess],
 ) -> None:
     process = start_node("bringup")
-    process.wait_for_output("bringup: started mapper, planner, motion")
+    wait_until(lambda: len(children(process.pid)) == len(NODES), "the processes", 60.0)
     nodes = children(process.pid)
     process.assert_clean_stop(signal.SIGINT)
     assert not any(map(alive, nodes.values()))
@@ -134,6 +135,7 @@ def test_a_wrong_command_line_is_refused(
     process = start_node("bringup", arguments=arguments)
     assert process.wait(60.0) == 2
     assert reason in process.output()
+    assert "bringup: started" not in process.output()
     assert "Traceback" not in process.output()
 
 

@@ -31,6 +31,7 @@ from rclpy.utilities import remove_ros_args
 
 from fuzzy_map_building import jit
 from fuzzy_map_building.ros.addressed import Addressed
+from fuzzy_map_building.ros.readiness import tell_ready
 
 __all__ = [
     "DISCOVERY_RANGE",
@@ -98,7 +99,8 @@ def spin_node(factory: Callable[[], Node], args: Sequence[str] | None = None) ->
     A node with a method ``on_stop()`` has it called once before it is destroyed, with the
     executor still spinning for `DRAIN_TIME` afterwards: the place to end actions and to
     stop the robot. When a callback raises, a method ``on_fault()`` is called before, the
-    place for what must be done whatever state the node is in.
+    place for what must be done whatever state the node is in. Once the node is there, its
+    parameters taken, whoever started the process is told; see `readiness`.
 
     Parameters
     ----------
@@ -124,6 +126,7 @@ def spin_node(factory: Callable[[], Node], args: Sequence[str] | None = None) ->
             return _refuse(argv, error)
         executor = SingleThreadedExecutor()
         executor.add_node(node)
+        tell_ready()
         try:
             while not stop.requested and rclpy.ok():
                 executor.spin_once(timeout_sec=SPIN_PERIOD)

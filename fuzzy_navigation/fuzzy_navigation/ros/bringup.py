@@ -4,7 +4,7 @@
 
 The robot's own drivers run elsewhere; topics are brought together by remapping::
 
-    bringup --preset oriolo1998 --params-file robot.yaml --namespace robot1 \
+    bringup --preset consistent --params-file robot.yaml --namespace robot1 \
         --ros-args -r pose:=/localisation/pose
 
 With ``--respawn`` a node that ends is started anew. The mapper then goes on from a snapshot in
@@ -24,9 +24,16 @@ from typing import Any, Final
 
 from fuzzy_map_building.parameter_schema import suggest
 from fuzzy_map_building.params import PRESETS as MAPPER_PRESETS
+from fuzzy_map_building.ros.readiness import ReadyWatch, tell_ready
 from fuzzy_map_building.ros.run import EXIT_REFUSED, stop_on_signals
 from fuzzy_navigation.params import MOTION_PRESETS, PLANNER_PRESETS
-from fuzzy_navigation.ros.processes import CLEAN_ENDS, Ended, ProcessGroup, python_module
+from fuzzy_navigation.ros.processes import (
+    CLEAN_ENDS,
+    Ended,
+    ProcessGroup,
+    child_environment,
+    python_module,
+)
 from fuzzy_navigation.ros.respawn import DEFAULT_LIMIT, STEADY, keep_running
 
 __all__ = ["NODES", "main", "node_commands"]
@@ -122,10 +129,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
             _say(str(error))
             return EXIT_REFUSED
         group = stack.enter_context(ProcessGroup())
+        ready = stack.enter_context(ReadyWatch(commands))
         for name, command in commands.items():
-            group.start(name, command)
-        print(f"bringup: started {', '.join(commands)}; Ctrl-C stops them", flush=True)
-        first = keep_running(group, options.respawn, lambda: stop.requested, _say)
+            group.start(name, command, env=child_environment(**ready.environment(name)))
+        told = False
+
+        def until() -> bool:
+            nonlocal told
+            if not told and ready.all_up:
+                told = True
+                print(f"bringup: started {', '.join(commands)}; Ctrl-C stops them", flush=True)
+                tell_ready()
+            return stop.requested
+
+        first = keep_running(group, options.respawn, until, _say)
         if first is not None:
             _say(f"{first}; stopping the others")
         group.stop()
