@@ -174,9 +174,10 @@ def _compiled() -> list[str]:
         found = importlib.util.find_spec(package)
         assert found is not None
         for folder in found.submodule_search_locations or ():
-            for file in Path(folder).glob("*.py"):
+            for file in Path(folder).rglob("*.py"):
                 if "njit" in file.read_text(encoding="utf-8"):
-                    names.append(f"{package}.{file.stem}")
+                    parts = file.relative_to(folder).with_suffix("").parts
+                    names.append(".".join((package, *parts)))
     return names
 
 

@@ -17,6 +17,7 @@ import argparse
 import importlib.util
 import json
 import mmap
+import os
 import struct
 import subprocess
 import sys
@@ -33,8 +34,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from fuzz.child import SLOT, finding_file, run_child
 from fuzz.surfaces import surface_named, surface_names
 
-#: A case that takes longer kills its process [s]; within the process the limit is shorter.
-KILL_AFTER = 180.0
+#: A case that takes more of the processor than this [s] kills its process, for what holds up the
+#: process itself; so does one that has waited so long [s] without using it.
+MOST_WORK, LONGEST_WAIT = 180.0, 60.0
 #: Most restarts of a target's process.
 MOST_STARTS = 20
 
@@ -113,14 +115,15 @@ def _watch(command: Sequence[str], slot: Slot, log: Path) -> str:
     """Return why a process ended, empty if well."""
     with log.open("w") as output:
         process = subprocess.Popen(command, stdout=output, stderr=subprocess.STDOUT)
-        last, since = -1, time.monotonic()
+        last, since, before = -1, time.monotonic(), 0.0
         while process.poll() is None:
             time.sleep(0.2)
             count, _ = slot.read()
-            now = time.monotonic()
+            now, worked = time.monotonic(), _processor_time(process.pid)
             if count != last:
-                last, since = count, now
-            elif count and now - since > KILL_AFTER:
+                last, since, before = count, now, worked
+            idle = now - since > LONGEST_WAIT and worked - before < 0.01 * LONGEST_WAIT
+            if count and (idle or worked - before > MOST_WORK):
                 process.kill()
                 process.wait()
                 return "hang"
@@ -129,6 +132,15 @@ def _watch(command: Sequence[str], slot: Slot, log: Path) -> str:
 
 def _end_of(log: Path) -> str:
     return log.read_text(errors="replace")[-3000:]
+
+
+def _processor_time(process: int) -> float:
+    """Return how much of the processor a process has used [s]; on a busy machine little."""
+    try:
+        fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+    except OSError:  # it has just ended
+        return 0.0
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def _add(report: Report, result: dict[str, Any]) -> None:
