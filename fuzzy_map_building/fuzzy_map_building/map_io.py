@@ -32,6 +32,7 @@ from numpy.typing import NDArray
 
 from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.map_state import MapState
+from fuzzy_map_building.plain_yaml import shown
 
 __all__ = [
     "MapFileError",
@@ -293,7 +294,7 @@ def _geometry(header: Any) -> GridGeometry:
         raise MapFileError("it was not saved by this program")
     version = header.get("version")
     if version != _VERSION:
-        raise MapFileError(f"it is of version {version!r}, this program reads {_VERSION}")
+        raise MapFileError(f"it is of version {shown(version)}, this program reads {_VERSION}")
     origin = header.get("origin")
     values = [header.get(name) for name in ("width", "height", "resolution")]
     if not isinstance(origin, list) or not all(

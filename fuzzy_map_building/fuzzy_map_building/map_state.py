@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy_map_building.grid import GridGeometry
+from fuzzy_map_building.plain_yaml import shown
 
 __all__ = ["MAX_PERCEPTIONS", "MapState"]
 
@@ -65,7 +66,7 @@ class MapState:
         if self.count.min() < 0:
             raise ValueError("MapState.count has negative numbers of perceptions")
         if isinstance(self.perceptions, bool) or not isinstance(self.perceptions, int):
-            raise ValueError(f"MapState.perceptions must be whole, got {self.perceptions!r}")
+            raise ValueError(f"MapState.perceptions must be whole, got {shown(self.perceptions)}")
         if self.perceptions > MAX_PERCEPTIONS:
             raise ValueError(
                 f"MapState.perceptions must be at most {MAX_PERCEPTIONS}, got {self.perceptions}"
