@@ -209,10 +209,12 @@ class Probe:
         finally:
             self.run(lambda: self.node.destroy_client(client))
 
-    def action_client(self, kind: type[Any], action: str) -> ActionClient:
+    def action_client(
+        self, kind: type[Any], action: str, timeout: float = START_DEADLINE
+    ) -> ActionClient:
         """Return a client of an action once its server is there."""
         client = ActionClient(self.node, kind, action)
-        wait_until(client.server_is_ready, f"the action {action}", START_DEADLINE)
+        wait_until(client.server_is_ready, f"the action {action}", timeout)
         return client
 
     def send_goal(

@@ -33,9 +33,9 @@ Start = Callable[..., NodeProcess]
 def test_killed_nodes_come_back_and_the_robot_stands_meanwhile(
     probe: Probe, start_node: Start
 ) -> None:
-    mapper, motion = Status(probe, names.MAPPER_NODE), Status(probe, names.MOTION_NODE)
+    mapper = Status(probe, names.MAPPER_NODE)
     truth = probe.subscribe(PoseStamped, names.GROUND_TRUTH_POSE, qos.RELIABLE)
-    given = {"world": "lab", "rate": 8, "lockstep": True, "lockstep_timeout": 2.0}
+    given = {"world": "lab", "rate": 0, "lockstep": True, "lockstep_timeout": 1.5}
     start_node("sim", parameters=given)
     arguments = ["--respawn", "--ros-args", "-p", "use_sim_time:=true"]
     bringup = start_node("bringup", arguments=arguments)
@@ -44,17 +44,17 @@ def test_killed_nodes_come_back_and_the_robot_stands_meanwhile(
     feedback: list[Navigate.Feedback] = []
     goal = Navigate.Goal(goal=goal_at(6.3, 1.3))
     probe.send_goal(client, goal, lambda message: feedback.append(message.feedback))
-    made = mapper.wait(lambda v: int(v["snapshot_perceptions"]) >= 2, "a snapshot")
+    made = mapper.wait(lambda v: int(v["snapshot_perceptions"]) >= 1, "a snapshot")
 
     # The mapper: its map comes back, the mission goes on with it.
     mapper.forget()
-    before = feedback[-1].perceptions
     os.kill(children(bringup.pid)["mapper"], signal.SIGKILL)
-    back = mapper.wait(lambda v: int(v["perceptions"]) >= 2, "the map of before")
+    back = mapper.wait(lambda v: int(v["perceptions"]) >= 1, "the map of before")
     assert int(back["perceptions"]) >= int(made["snapshot_perceptions"])
     bringup.wait_for_output("mapper was killed by SIGKILL; it will be started anew in 0.5 s")
     bringup.wait_for_output("went on from")
-    wait_until(lambda: feedback[-1].perceptions > before + 1, "the mission to go on")
+    known = int(back["perceptions"])
+    wait_until(lambda: feedback[-1].perceptions > known, "the mission to go on")
 
     # The motion: the robot stands.
     truth.clear()
@@ -62,16 +62,12 @@ def test_killed_nodes_come_back_and_the_robot_stands_meanwhile(
     wait_until(lambda: any(v > 0.2 for _, v in speeds(truth.messages[-3:])), "the drive")
     os.kill(victim, signal.SIGKILL)
     # The simulator waits for the command that does not come: the last one is a tick old then.
-    wait_until(lambda: silent(truth, 1.0), "the simulator to wait")
+    wait_until(lambda: silent(truth, 0.75), "the simulator to wait")
     commanded = stamp(truth.last) - TICK
     truth.wait_for(lambda message: stamp(message) > commanded + 2.0)
     after = [(t, v) for t, v in speeds(truth.messages) if t > commanded + TICK / 2]
     assert after[0][1] > 0.05, "it did not drive: the test is void"
     assert max(v for t, v in after if t > commanded + 0.5 + TICK / 2) == 0.0
-    # Its goal is gone; the new one takes another.
-    motion.forget()
-    motion.wait(lambda v: v["active"] == "False", "a new motion")
-    assert probe.send_goal(client, goal).accepted
     bringup.assert_clean_stop()
 
 

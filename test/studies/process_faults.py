@@ -10,7 +10,7 @@ motion was killed, its goal is sent again, as a client has to.
     .ci/in_environment python3 test/studies/process_faults.py --kills 10
 
 A node needs some seconds of a processor to start. Where the machine is so busy that they take
-minutes, ``--patience 300`` lets the motion wait that long for it: its limits of 5 s and 10 s,
+minutes, ``--patience 300`` lets the motion wait that long for it: its limits of 5 s and more,
 three times each, are made for a machine that runs a robot.
 """
 
@@ -79,11 +79,11 @@ class Stack:
         log = folder / "bringup.log"
         arguments = ["--respawn", "1000", "--ros-args", "-p", "use_sim_time:=true"]
         if patience > 0.0:
-            for limit in ("server", "lost"):
+            for limit in ("server", "lost", "plan", "build_map"):
                 rule = f"{names.MOTION_NODE}:timeout.{limit}:={patience:.1f}"
                 arguments += ["-p", rule]
         self.bringup = NodeProcess("bringup", log, arguments=arguments)
-        self.client = self.probe.action_client(Navigate, names.NAVIGATE)
+        self.client = self.probe.action_client(Navigate, names.NAVIGATE, PATIENCE)
         self.await_sim()
 
     def _start_sim(self) -> NodeProcess:

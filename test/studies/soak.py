@@ -174,7 +174,7 @@ def soak_nodes(hours: float, preset: str, limit: float) -> None:
 
             probe.node.create_subscription(PoseStamped, names.POSE, on_pose, qos.RELIABLE)
             probe.node.create_subscription(Twist, names.CMD_VEL, on_command, qos.RELIABLE)
-            client = probe.action_client(Navigate, names.NAVIGATE)
+            client = probe.action_client(Navigate, names.NAVIGATE, 600.0)
             wait_until(lambda: last[1] > 0.0, "the robot", 600.0)
             start, now, number, result = last[1], 0.0, 0, None
             used: dict[str, float] = {}

@@ -162,7 +162,7 @@ def _mission(probe: Probe, play: Round) -> Iterator[None]:
     said = probe.subscribe(DiagnosticArray, names.DIAGNOSTICS, qos.RELIABLE)
     wait_until(lambda: _speakers(said) == NODES, "all nodes", DEADLINE)
     said.clear()
-    client = probe.action_client(Navigate, names.NAVIGATE)
+    client = probe.action_client(Navigate, names.NAVIGATE, DEADLINE)
     probe.send_goal(client, Navigate.Goal(goal=goal_at(*GOAL)))
     wait_until(lambda: len(built) > 0 and len(driven) > 0, "the mission to begin", DEADLINE)
     time.sleep(play.rng.uniform(0.0, 3.0))
