@@ -46,7 +46,7 @@ CLEAN = {"demo": 130}
 #: Words that no output of a clean stop has.
 FAULTS = ("Traceback", "terminate called", "Segmentation", "never retrieved", "Exception ignored")
 #: Longest time to wait for the end of a process, and for a mission to begin [s].
-PATIENCE, DEADLINE = 30.0, 300.0
+PATIENCE, DEADLINE = 120.0, 300.0
 NODES = {names.SIMULATOR_NODE, names.MAPPER_NODE, names.PLANNER_NODE, names.MOTION_NODE}
 
 
