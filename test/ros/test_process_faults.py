@@ -35,7 +35,7 @@ def test_killed_nodes_come_back_and_the_robot_stands_meanwhile(
 ) -> None:
     mapper = Status(probe, names.MAPPER_NODE)
     truth = probe.subscribe(PoseStamped, names.GROUND_TRUTH_POSE, qos.RELIABLE)
-    given = {"world": "lab", "rate": 0, "lockstep": True, "lockstep_timeout": 1.5}
+    given = {"world": "lab", "rate": 0, "lockstep": True, "lockstep_timeout": 2.0}
     start_node("sim", parameters=given)
     arguments = ["--respawn", "--ros-args", "-p", "use_sim_time:=true"]
     bringup = start_node("bringup", arguments=arguments)
@@ -62,7 +62,7 @@ def test_killed_nodes_come_back_and_the_robot_stands_meanwhile(
     wait_until(lambda: any(v > 0.2 for _, v in speeds(truth.messages[-3:])), "the drive")
     os.kill(victim, signal.SIGKILL)
     # The simulator waits for the command that does not come: the last one is a tick old then.
-    wait_until(lambda: silent(truth, 0.75), "the simulator to wait")
+    wait_until(lambda: silent(truth, 1.0), "the simulator to wait")
     commanded = stamp(truth.last) - TICK
     truth.wait_for(lambda message: stamp(message) > commanded + 2.0)
     after = [(t, v) for t, v in speeds(truth.messages) if t > commanded + TICK / 2]

@@ -34,8 +34,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from nomad_sim.headless import CONTROL_PERIOD, HeadlessMission
 
 WORLD = "lab"
-#: Simulated time from sample to sample, as a share of the whole.
-SHARE = 1.0 / 200.0
+#: Simulated time from sample to sample [h].
+PERIOD = 30.0 / 3600.0
 #: Share of the samples at the beginning that do not count.
 WARM = 0.1
 PAGE = os.sysconf("SC_PAGE_SIZE")
@@ -73,8 +73,7 @@ class Series:
 class Soak:
     """What was sampled, and how the missions ended."""
 
-    def __init__(self, hours: float) -> None:
-        self.hours = hours
+    def __init__(self) -> None:
         self.series: dict[str, Series] = {}
         self.outcomes: Counter[str] = Counter()
         self.contacts = 0
@@ -84,7 +83,7 @@ class Soak:
         """Whether it is time for samples."""
         if hours < self._due:
             return False
-        self._due += self.hours * SHARE
+        self._due += PERIOD
         return True
 
     def add(self, name: str, unit: str, hours: float, value: float) -> None:
@@ -115,7 +114,7 @@ def soak_core(hours: float, preset: str, limit: float) -> None:
     """Run the loop in this process."""
     robot, soak, began = (
         HeadlessMission(WORLD, seed=1, preset=preset),
-        Soak(hours),
+        Soak(),
         time.monotonic(),
     )
     ends = (robot.goal, (robot.start.x, robot.start.y))
@@ -150,7 +149,7 @@ def soak_nodes(hours: float, preset: str, limit: float) -> None:
     from ros.room import stamp
     from ros.stack import Status
 
-    soak, began = Soak(hours), time.monotonic()
+    soak, began = Soak(), time.monotonic()
     with tempfile.TemporaryDirectory(prefix="soak_") as folder:
         clock = {"use_sim_time": True, "preset": preset}
         given = {"mapper": clock, "planner": clock, "motion": clock}
