@@ -33,14 +33,15 @@ Start = Callable[..., NodeProcess]
 def test_killed_nodes_come_back_and_the_robot_stands_meanwhile(
     probe: Probe, start_node: Start
 ) -> None:
-    mapper = Status(probe, names.MAPPER_NODE)
+    mapper, planner = Status(probe, names.MAPPER_NODE), Status(probe, names.PLANNER_NODE)
     truth = probe.subscribe(PoseStamped, names.GROUND_TRUTH_POSE, qos.RELIABLE)
-    given = {"world": "lab", "rate": 0, "lockstep": True, "lockstep_timeout": 2.0}
+    given = {"world": "lab", "rate": 8, "lockstep": True, "lockstep_timeout": 2.0}
     start_node("sim", parameters=given)
     arguments = ["--respawn", "--ros-args", "-p", "use_sim_time:=true"]
     bringup = start_node("bringup", arguments=arguments)
     client = probe.action_client(Navigate, names.NAVIGATE)
     truth.wait_for(timeout=START_DEADLINE)
+    planner.wait(lambda _: True, "the planner")
     feedback: list[Navigate.Feedback] = []
     goal = Navigate.Goal(goal=goal_at(6.3, 1.3))
     probe.send_goal(client, goal, lambda message: feedback.append(message.feedback))
