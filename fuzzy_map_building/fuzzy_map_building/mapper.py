@@ -17,7 +17,7 @@ from fuzzy_map_building.grid import GridGeometry, Window
 from fuzzy_map_building.infrared_model import InfraredModel
 from fuzzy_map_building.infrared_packet import InfraredPacket
 from fuzzy_map_building.map_state import MapState
-from fuzzy_map_building.params import MapperParameters, mapper_parameters
+from fuzzy_map_building.params import PAPER_PRESET, MapperParameters, mapper_parameters
 from fuzzy_map_building.sonar_guard import ray_limits
 from fuzzy_map_building.sonar_model import SonarModel
 from fuzzy_map_building.types import InfraredReading, Pose2, RangeReading, SonarReading
@@ -65,7 +65,7 @@ class FuzzyMapper:
     geometry : GridGeometry
         The cells of the map.
     parameters : MapperParameters, optional
-        Sensors, evidence and fusion.
+        Sensors, evidence and fusion; the paper's if not given.
 
     Examples
     --------
@@ -75,11 +75,11 @@ class FuzzyMapper:
     >>> mapper.update([ahead]).accepted
     1
     >>> round(float(mapper.empty[52, 15]), 12), float(mapper.motion_risk[0, 0])
-    (0.6, 1.0)
+    (0.4, 1.0)
     """
 
     def __init__(self, geometry: GridGeometry, parameters: MapperParameters | None = None) -> None:
-        p = parameters if parameters is not None else MapperParameters()
+        p = parameters if parameters is not None else mapper_parameters(PAPER_PRESET)
         self._geometry = geometry
         self._parameters = p
         self._sonar: EvidenceSource[SonarReading] = SonarModel(p.sonar, p.evidence, p.consistency)

@@ -72,7 +72,7 @@ class SonarModel:
         self._margin = float(evidence.range_margin)
         self._certainty = (float(evidence.k_empty), float(evidence.k_occupied))
         self._lambda = float(evidence.dombi_lambda)
-        rule = consistency if consistency is not None else ConsistencyParameters()
+        rule = consistency if consistency is not None else ConsistencyParameters(enabled=False)
         self._agree = rule.enabled
         self._rule = (
             float(rule.half_width),

@@ -3,46 +3,18 @@
 """FuzzyMapper as its users meet it: what changes, what must not, what it costs."""
 
 import math
-import statistics
-import time
-import tracemalloc
 
 import numpy as np
 import pytest
 
-from fuzzy_map_building import (
-    grid,
-    infrared_model,
-    infrared_packet,
-    sonar_model,
-    sonar_packet,
-)
-from fuzzy_map_building.evidence import fuzzy, union
 from fuzzy_map_building.grid import GridGeometry, Window
-from fuzzy_map_building.jit import compiled
-from fuzzy_map_building.map_grids import MapGrids
 from fuzzy_map_building.map_state import MapState
-from fuzzy_map_building.mapper import FuzzyMapper, warm_up
+from fuzzy_map_building.mapper import FuzzyMapper
 from fuzzy_map_building.params import DEFAULT_PRESET, PAPER_PRESET, mapper_parameters
-from fuzzy_map_building.sonar_guard import cut_rays, guard_points
 from fuzzy_map_building.types import InfraredReading, Pose2, SonarReading
+from unit.fuzzy_map_building.ring import LAB, perception
 
-LAB = GridGeometry(76, 63, 0.1)
 ARRAYS = ("empty", "occupied", "motion_risk", "planning_risk", "count")
-
-
-def perception(pose: Pose2, seed: int = 0, ranges: float | None = None) -> list[SonarReading]:
-    """48 readings: 16 sonars at three angles of the turret."""
-    rng = np.random.default_rng(seed)
-    return [
-        SonarReading(
-            pose,
-            math.radians(22.5 * i + 7.5 * j),
-            float(rng.uniform(0.2, 4.0)) if ranges is None else ranges,
-        )
-        for j in range(3)
-        for i in range(16)
-    ]
 
 
 def snapshot(mapper: FuzzyMapper) -> dict[str, np.ndarray]:
@@ -57,7 +29,7 @@ def assert_same(mapper: FuzzyMapper, before: dict[str, np.ndarray]) -> None:
 def test_a_new_map_knows_nothing() -> None:
     mapper = FuzzyMapper(LAB)
     assert mapper.geometry == LAB
-    assert mapper.parameters == mapper_parameters()
+    assert mapper.parameters == mapper_parameters(PAPER_PRESET)
     assert mapper.perceptions == 0
     for name, value in (("empty", 0), ("occupied", 0), ("planning_risk", 0), ("count", 0)):
         assert (getattr(mapper, name) == value).all()
@@ -311,25 +283,6 @@ def test_risks_of_a_window_are_those_of_the_whole_maps() -> None:
     assert mapper._kept_risks is None
 
 
-def test_a_mapper_that_is_asked_by_windows_takes_20_bytes_a_cell() -> None:
-    geometry = GridGeometry(1500, 1500, 0.1)
-    warm_up()
-    tracemalloc.start()
-    try:
-        mapper = FuzzyMapper(geometry)
-        grids = MapGrids(mapper)
-        for seed in range(3):
-            report = mapper.update(perception(Pose2(75.0 + seed, 75.0), seed))
-            grids.refresh(mapper, report.window)
-        kept, most = tracemalloc.get_traced_memory()
-    finally:
-        tracemalloc.stop()
-    cells = 1500 * 1500
-    assert kept < 20.1 * cells + 3.1 * cells  # with the grids to publish
-    # What comes and goes does not grow with the map.
-    assert most < kept + 20e6
-
-
 def test_a_state_of_another_grid_is_refused() -> None:
     mapper = FuzzyMapper(LAB)
     mapper.update(perception(Pose2(3.8, 3.1)))
@@ -370,49 +323,3 @@ def test_a_state_is_checked(values: dict, message: str) -> None:
     MapState(GridGeometry(3, 2, 0.1), **good)
     with pytest.raises(ValueError, match=message):
         MapState(GridGeometry(3, 2, 0.1), **{**good, **values})
-
-
-def test_a_packet_costs_little_and_the_same_on_a_map_of_any_size() -> None:
-    mappers = [FuzzyMapper(LAB), FuzzyMapper(GridGeometry(4000, 4000, 0.1))]
-    medians: list[list[float]] = [[], []]
-    for turn in range(8):
-        packets = [perception(Pose2(3.8, 3.1, 0.1 * seed), 8 * turn + seed) for seed in range(8)]
-        # In turn, so that whatever else the machine does meets both.
-        for mapper, taken in zip(mappers, medians, strict=True):
-            times = []
-            for readings in packets:
-                start = time.perf_counter()
-                mapper.update(readings)
-                times.append(time.perf_counter() - start)
-            taken.append(statistics.median(times))
-    # The quietest turn: a busy machine says nothing of the code.
-    small, large = (min(taken) for taken in medians)
-    assert small < 5e-3
-    assert large < 2.0 * small
-
-
-@pytest.mark.skipif(not compiled(), reason="loops are compiled with numba only")
-def test_nothing_is_compiled_after_warm_up() -> None:
-    warm_up()
-    modules = (fuzzy, grid, infrared_model, infrared_packet, sonar_model, sonar_packet, union)
-    kernels = [k for m in modules for k in vars(m).values() if hasattr(k, "signatures")]
-    assert len(kernels) > 10
-    before = [len(kernel.signatures) for kernel in kernels]
-    pose = Pose2(1.0, 1.0)
-    rays = [InfraredReading(pose, 0.4 * i, 0.3) for i in range(16)]
-    whole = [*perception(pose), *rays, SonarReading(pose, 0, -math.inf)]
-    for overrides in (
-        {"evidence.k_empty": 1, "fusion.aggregation": "dombi", "sonar.lost_echo": "full"},
-        {"sonar.apex": "mount", "fusion.aggregation": "max", "consistency.enabled": False},
-        {"sonar.lost_echo": "ignore", "sonar_guard.enabled": False},
-    ):
-        parameters = mapper_parameters("consistent", overrides)
-        for geometry in (LAB, GridGeometry(2, 1, 1, (0, 0))):
-            mapper = FuzzyMapper(geometry, parameters)
-            for packet in (whole, rays, [], whole[:1], perception(pose, ranges=math.inf)):
-                mapper.update(packet)
-            mapper.restore(mapper.state())
-        rings = (parameters.sonar, parameters.infrared, parameters.sonar_guard, 3.0, 0.23)
-        guard_points(whole[:48], rays, *rings)
-        cut_rays(whole[:48], rays, *rings)
-    assert [len(kernel.signatures) for kernel in kernels] == before

@@ -26,7 +26,7 @@ GEOMETRY = GridGeometry(90, 70, 0.1)
 
 
 def new_mapper(parameters: MapperParameters | None = None) -> FuzzyMapper:
-    return FuzzyMapper(GEOMETRY, parameters)
+    return FuzzyMapper(GEOMETRY, parameters if parameters is not None else mapper_parameters())
 
 
 def packet(rng: random.Random) -> list[SonarReading]:

@@ -15,7 +15,7 @@ from fuzzy_map_building.sonar_model import SonarModel, empty_certainty, occupied
 from fuzzy_map_building.types import Pose2, SonarReading
 
 GRID = GridGeometry(60, 60, 0.1, (-3.0, -3.0))
-EVIDENCE = EvidenceParameters(range_margin=0.15)
+EVIDENCE = EvidenceParameters(k_empty=0.4, range_margin=0.15)
 SONAR = SonarParameters(mount_radius=0.0)
 ORIGIN = Pose2(0.0, 0.0)
 

@@ -272,7 +272,7 @@ def test_faults_of_a_mission_begin_in_time() -> None:
         ("deaf sonar sensors=99999999999", "numbers from 0 to 15"),
         ("late pose sensors=1", "unknown name 'sensors'"),
         ("late pose start=3 end=3", "start must be before end"),
-        ("lost sonar;" * 101, "more than 100"),
+        ("late pose;" * 101, "more than 100"),
     ],
 )
 def test_what_is_no_fault_is_refused(text: str, message: str) -> None:

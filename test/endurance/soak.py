@@ -10,8 +10,8 @@ pose to the command that answers it. Reported is what each was in the first and 
 third, and its slope an hour with the 95 % interval of a least squares line. The first tenth,
 in which buffers fill and loops are compiled, does not count.
 
-    .ci/in_environment python3 test/studies/soak.py --hours 24 --parts core
-    .ci/in_environment python3 test/studies/soak.py --hours 24 --parts nodes
+    .ci/in_environment python3 test/endurance/soak.py --hours 24 --parts core
+    .ci/in_environment python3 test/endurance/soak.py --hours 24 --parts nodes
 """
 
 from __future__ import annotations

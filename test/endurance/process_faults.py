@@ -7,7 +7,7 @@ to and fro in the laboratory; on each way one node is killed after a random part
 minute. The simulator, whose end is that of the robot, is started anew by this script. When
 motion was killed, its goal is sent again, as a client has to.
 
-    .ci/in_environment python3 test/studies/process_faults.py --kills 10
+    .ci/in_environment python3 test/endurance/process_faults.py --kills 10
 
 A node needs some seconds of a processor to start. Where the machine is so busy that they take
 minutes, ``--patience 300`` lets the motion wait that long for it: its limits of 5 s and more,

@@ -10,7 +10,7 @@ for temporary files, and no file of its own left in /dev/shm. Other programs tha
 same machine would show there as well; where the kernel allows it, run it with a /dev/shm of its
 own: ``unshare --mount sh -c 'mount -t tmpfs none /dev/shm && exec python3 ...'``.
 
-    .ci/in_environment python3 test/studies/starts_and_stops.py --stops 1000
+    .ci/in_environment python3 test/endurance/starts_and_stops.py --stops 1000
 """
 
 from __future__ import annotations
