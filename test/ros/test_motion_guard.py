@@ -60,6 +60,7 @@ def change(scene: Scene, name: str, value: object) -> None:
 
 def test_glass_stops_the_robot_once_the_guard_is_on(scene: Scene) -> None:
     echoes = Echoes(scene)
+    change(scene, "sonar_guard.enabled", False)
     assert scene.result(scene.send(goal_at(3.5, 1.05))).result.outcome == RESULT.REACHED
     assert scene.robot.x > GLASS  # nobody guarded it
 
