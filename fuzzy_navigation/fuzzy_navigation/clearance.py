@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fuzzy_map_building.types import InfraredReading
+from fuzzy_map_building.types import InfraredReading, RangeReading
 from fuzzy_navigation.params import InfraredParameters
 
 __all__ = [
@@ -24,16 +24,16 @@ Points = NDArray[np.float64]
 
 
 def hit_points(
-    readings: Sequence[InfraredReading],
+    readings: Sequence[RangeReading],
     mount_radius: float,
     min_range: float = 0.0,
     max_range: float = math.inf,
 ) -> Points:
-    """Return where infrared readings met a surface.
+    """Return where readings along a ray met a surface.
 
     Parameters
     ----------
-    readings : sequence of InfraredReading
+    readings : sequence of RangeReading
         Each is placed at its own pose.
     mount_radius : float
         Distance of the sensors' faces from the robot's centre [m].
@@ -148,14 +148,6 @@ class InfraredRing:
         """Forget all readings."""
         self._newest.clear()
         self._hits = None
-
-    def silent(self, now: float, limit: float) -> list[str]:
-        """Return the frames of the sensors without a reading of the last `limit` [s]."""
-        return [
-            frame
-            for sensor, frame in enumerate(self._parameters.frame_ids)
-            if sensor not in self._newest or now - self._newest[sensor].stamp > limit
-        ]
 
     def hits(self, now: float, limit: float) -> Points:
         """Return the hit points (x, y) [m] of the last `limit` [s], shape (n, 2)."""

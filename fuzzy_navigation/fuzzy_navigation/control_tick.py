@@ -9,6 +9,7 @@ comes, for a sensor that fell silent must not silence the robot's control.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -36,7 +37,7 @@ class Untimely(ValueError):
     Attributes
     ----------
     reason : str
-        ``future``, ``duplicate`` or ``out_of_order``.
+        ``future``, ``late``, ``duplicate`` or ``out_of_order``.
     """
 
     def __init__(self, reason: str, message: str) -> None:
@@ -73,6 +74,8 @@ class ControlTicks:
     ----------
     bearings : sequence of float
         Direction of each sensor from the robot's heading [rad].
+    max_age : float
+        A pose that comes later than this after its stamp [s] is refused: the robot is elsewhere.
 
     Examples
     --------
@@ -83,7 +86,8 @@ class ControlTicks:
     5.0
     """
 
-    def __init__(self, bearings: Sequence[float]) -> None:
+    def __init__(self, bearings: Sequence[float], max_age: float = math.inf) -> None:
+        self.max_age = max_age
         self._bearings = tuple(bearings)
         self._poses = PoseBuffer(MAX_POSE_GAP, HORIZON)
         self._pose_came = 0.0
@@ -108,10 +112,16 @@ class ControlTicks:
         Raises
         ------
         Untimely
-            If the stamp lies in the future, or is not after the pose before, unless the
-            clock was set back or poses begin anew: then everything older is forgotten.
+            If the stamp lies in the future or too long ago, or is not after the pose before,
+            unless the clock was set back or poses begin anew: then everything older is forgotten.
         """
         _check_future(now, stamp, "pose")
+        if self.max_age < now - stamp < math.inf:
+            raise Untimely(
+                "late",
+                f"pose is stamped {stamp:.3f} s, {now - stamp:.3f} s behind the clock, more than "
+                f"{self.max_age:g} s: synchronise the clocks, or find what delays it",
+            )
         newest = self._poses.newest
         if newest is not None and stamp <= newest:
             if not _begins_anew(now, self._pose_came):

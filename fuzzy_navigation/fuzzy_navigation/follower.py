@@ -145,7 +145,13 @@ class Follower:
         self._turning = True
 
     def step(
-        self, pose: Pose2, dt: float, *, stop_at: float = math.inf, max_speed: float = math.inf
+        self,
+        pose: Pose2,
+        dt: float,
+        *,
+        stop_at: float = math.inf,
+        max_speed: float = math.inf,
+        delay: float = 0.0,
     ) -> tuple[float, float]:
         """Return the command of one tick.
 
@@ -159,6 +165,8 @@ class Follower:
             Progress [m] at which the robot has to stand; one that lies behind it makes it brake.
         max_speed : float
             Upper limit of the speed [m/s].
+        delay : float
+            How long ago the robot was there [s].
 
         Returns
         -------
@@ -178,7 +186,7 @@ class Follower:
         if not self._path.legs:
             return self._command(0.0, 0.0, dt)
         leg = self._path.legs[self._leg]
-        pose = self._predicted(pose, dt)
+        pose = self._predicted(pose, dt + delay)
         i, lateral = self._locate(leg, pose, dt)
         end = min(float(leg.s[-1]), stop_at)
         to_end = end - self._progress

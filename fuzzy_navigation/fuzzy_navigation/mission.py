@@ -8,46 +8,36 @@ argument. The same object runs in the motion node and headless.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from enum import Enum
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.types import InfraredReading, Pose2, SonarReading
 from fuzzy_navigation import verdicts
 from fuzzy_navigation.explored_area import ExploredArea
-from fuzzy_navigation.look_turn import LookTurn
 from fuzzy_navigation.mission_record import MissionRecord, checked_tolerance
+from fuzzy_navigation.mission_state import MissionState, State
 from fuzzy_navigation.mission_types import (
     Command,
     Commands,
     Drive,
-    Feedback,
-    LogEntry,
     Outcome,
     Perceive,
     Phase,
     Plan,
+    Stop,
 )
-from fuzzy_navigation.mission_waiting import Hold, MissionTime, OpenRequest
-from fuzzy_navigation.motion import Motion, PlannedPath
-from fuzzy_navigation.params import MotionParameters
+from fuzzy_navigation.motion import PlannedPath
 from fuzzy_navigation.plan_types import PlanResult, PlanStatus
-from fuzzy_navigation.surroundings import Surroundings
-from fuzzy_navigation.tried_places import TriedPlaces
 
 __all__ = ["Mission"]
 
 #: Longest time between two ticks that the motion is laid out for [s].
 LONGEST_TICK = 0.2
 
-_State = Enum("_State", ["IDLE", "WAITING", "PERCEIVING", "PLANNING", "MOVING", "TURNING"])
 
-
-class Mission:
+class Mission(MissionState):
     """Brings the robot to one goal after the other.
 
     Each event method returns the commands to carry out, in order. While a mission runs,
@@ -59,55 +49,6 @@ class Mission:
     parameters : MotionParameters, optional
         Rules and limits.
     """
-
-    def __init__(self, parameters: MotionParameters | None = None) -> None:
-        self._p = parameters if parameters is not None else MotionParameters()
-        self._around = Surroundings(self._p)
-        self._motion = Motion(self._p)
-        self._area: ExploredArea | None = None
-        self._pose: Pose2 | None = None
-        self._pose_time = -math.inf
-        self._time = MissionTime()
-        self._state = _State.IDLE
-        self._record = MissionRecord(0, Pose2(0.0, 0.0), 0.0, 0.0)
-        self._request = OpenRequest()
-        self._hold = Hold()
-        self._asked_at, self._answered, self._map_seen = 0.0, False, False
-        self._tried = TriedPlaces(self._p)
-        self._turn = LookTurn(self._p.look_turn, self._p.follower)
-
-    @property
-    def active(self) -> bool:
-        """Whether a mission runs."""
-        return self._state is not _State.IDLE
-
-    @property
-    def phase(self) -> Phase:
-        """What the robot is doing."""
-        moving = dict.fromkeys((_State.MOVING, _State.TURNING), Phase.MOVING)
-        return {_State.PLANNING: Phase.PLANNING, **moving}.get(self._state, Phase.PERCEIVING)
-
-    @property
-    def log(self) -> tuple[LogEntry, ...]:
-        """One entry for each perception of the newest mission."""
-        return tuple(self._record.log)
-
-    @property
-    def travelled(self) -> NDArray[np.float64]:
-        """Positions (x, y) [m] along the way of the newest mission, shape (m, 2)."""
-        return self._record.travelled
-
-    @property
-    def plan_path(self) -> NDArray[np.float64]:
-        """Cell centres (x, y) [m] of the newest plan, shape (n, 2)."""
-        return self._motion.path.points
-
-    def feedback(self) -> Feedback:
-        """Return the state of the mission."""
-        r, left = self._record, self._distance_remaining()
-        return Feedback(
-            self.phase, r.last_stop, r.perceptions, r.alpha, left, self._pose, self._hold.reason
-        )
 
     def start(
         self, now: float, goal: Pose2 | tuple[float, float], tolerance: float = 0.0
@@ -139,7 +80,7 @@ class Mission:
         self._record = MissionRecord(self._record.mission + 1, target, accuracy, started)
         self._motion.forget()
         self._tried.forget()
-        self._state = _State.WAITING
+        self._state = State.WAITING
         if self._area and (refusal := verdicts.outside(self._record, self._area.geometry)):
             commands += self._finish(refusal)
         elif self._pose_age() > self._p.timeout.pose:
@@ -159,8 +100,20 @@ class Mission:
         pose: Pose2,
         infrared: Sequence[InfraredReading] = (),
         sonar: Sequence[SonarReading] = (),
+        delay: float = 0.0,
     ) -> Commands:
         """Take a pose and what the sensors saw there or on the way: the tick of the control.
+
+        Parameters
+        ----------
+        now : float
+            Time [s], that of the pose.
+        pose : Pose2
+            Where the robot was then.
+        infrared, sonar : sequence of readings
+            New readings of the sensors.
+        delay : float
+            How long ago that was [s]: the robot has moved since.
 
         Raises
         ------
@@ -170,19 +123,23 @@ class Mission:
         self._time.check(now)
         self._around.update(now, pose, infrared, sonar)
         self._advance(now)
-        dt = min(self._pose_age(), LONGEST_TICK)
+        before, age = self._pose, self._pose_age()
+        dt = min(age, LONGEST_TICK)
         self._pose, self._pose_time = pose, self._time.elapsed
         if not self.active:
             return ()
         self._record.pass_by(pose, self._around.clearance(now, pose))
         commands = self._watch()
-        if self._state is _State.MOVING:
-            commands += self._drive(pose, dt)
+        jump = self._poses.jump(before, pose, age) if before is not None else ""
+        if jump and self._state not in (State.IDLE, State.WAITING):
+            commands += self._jumped(jump)
+        elif self._state is State.MOVING:
+            commands += self._drive(pose, dt, max(delay, 0.0))
         else:
             self._hold.end()
-            if self._state is _State.WAITING:
+            if self._state is State.WAITING:
                 commands += self._set_out()
-            elif self._state is _State.TURNING:
+            elif self._state is State.TURNING:
                 omega = self._turn.step(pose, dt)
                 commands += self._perceive() if omega is None else [Drive(0.0, omega)]
         if not any(isinstance(command, Drive) for command in commands):
@@ -226,9 +183,9 @@ class Mission:
         self._advance(now)
         if self.active and (refusal := verdicts.outside(self._record, geometry)):
             return tuple(self._finish(refusal))
-        if self._state is _State.MOVING:
+        if self._state is State.MOVING:
             self._motion.allow(self._area.reach(self.plan_path, self._motion.passed))
-        if self._state is _State.PERCEIVING:
+        if self._state is State.PERCEIVING:
             self._map_seen |= (now if stamp is None else stamp) >= self._asked_at
             return tuple(self._perceived(now))
         return ()
@@ -236,7 +193,7 @@ class Mission:
     def on_perception(self, now: float, request: int, ok: bool, message: str = "") -> Commands:
         """Take the end of a perception, done or failed; a stale answer changes nothing."""
         self._advance(now)
-        if not self._awaits(_State.PERCEIVING, request):
+        if not self._awaits(State.PERCEIVING, request):
             return ()
         if not ok:
             return tuple(self._failed_once("the perception failed", message))
@@ -246,7 +203,7 @@ class Mission:
     def on_plan(self, now: float, request: int, plan: PlanResult) -> Commands:
         """Take the planner's answer, of a path its poses; a stale one changes nothing."""
         self._advance(now)
-        if not self._awaits(_State.PLANNING, request):
+        if not self._awaits(State.PLANNING, request):
             return ()
         if plan.status == PlanStatus.FOUND:
             return tuple(self._move(plan))
@@ -254,12 +211,12 @@ class Mission:
             return tuple(self._failed_once("the planner has no map", plan.message))
         if plan.status == PlanStatus.NO_PATH and self._tried.try_again(self._record.perceptions):
             return tuple(self._plan())
-        return tuple(self._finish(verdicts.no_plan(plan)))
+        return tuple(self._finish(verdicts.no_plan(plan, self._record)))
 
     def on_plan_error(self, now: float, request: int, message: str) -> Commands:
         """Take note that no answer comes from the planner."""
         self._advance(now)
-        if not self._awaits(_State.PLANNING, request):
+        if not self._awaits(State.PLANNING, request):
             return ()
         return tuple(self._failed_once("the planner did not answer", message))
 
@@ -269,12 +226,6 @@ class Mission:
             self._around.clear()
             self._asked_at = now
 
-    def _pose_age(self) -> float:
-        return self._time.elapsed - self._pose_time
-
-    def _awaits(self, state: _State, request: int) -> bool:
-        return self._state is state and self._request.answered_by(request)
-
     def _watch(self) -> list[Command]:
         """Stop, ask again or give up for what did not come in time."""
         p, time = self._p.timeout, self._time.elapsed
@@ -282,10 +233,10 @@ class Mission:
         if age > p.pose and (commands := self._stand(f"no pose for {age:.1f} s")):
             return commands
         if self._request.due(time):
-            return self._plan() if self._state is _State.PLANNING else self._perceive()
+            return self._plan() if self._state is State.PLANNING else self._perceive()
         if not self._request.overdue(time):
             return []
-        if self._state is _State.PLANNING:
+        if self._state is State.PLANNING:
             return self._failed_once("the planner did not answer", f"nothing for {p.plan:g} s")
         missing = "map" if self._answered else "answer"
         return self._failed_once("the perception failed", f"no {missing} for {p.build_map:g} s")
@@ -305,16 +256,6 @@ class Mission:
         reason = f"{what} {self._request.failures} times in a row, the last time: {message}"
         return self._finish((Outcome.FAILED, reason))
 
-    @property
-    def _here(self) -> Pose2:
-        assert self._pose is not None
-        return self._pose
-
-    @property
-    def _known(self) -> ExploredArea:
-        assert self._area is not None
-        return self._area
-
     def _set_out(self) -> list[Command]:
         verdict = verdicts.arrival(self._record, self._here)
         return self._finish(verdict) if verdict else self._perceive()
@@ -323,7 +264,7 @@ class Mission:
         verdict = verdicts.exhaustion(self._record, self._p, self._distance_remaining())
         if verdict:
             return self._finish(verdict)
-        self._state = _State.PERCEIVING
+        self._state = State.PERCEIVING
         self._around.begin_perception()
         self._asked_at, self._answered, self._map_seen = self._time.clock, False, False
         return [Perceive(self._request.make(self._time.elapsed, self._p.timeout.build_map))]
@@ -339,7 +280,7 @@ class Mission:
         return self._plan()
 
     def _plan(self) -> list[Command]:
-        self._state = _State.PLANNING
+        self._state = State.PLANNING
         request = self._request.make(self._time.elapsed, self._p.timeout.plan)
         barred = self._tried.barred(self._record.perceptions, self._known)
         r, hits = self._record, tuple((x, y) for x, y in self._around.remembered.tolist())
@@ -352,19 +293,31 @@ class Mission:
         except ValueError as error:
             return self._failed_once("the planner's path cannot be followed", str(error))
         self._request.settle()
-        self._state = _State.MOVING
+        self._state = State.MOVING
         self._record.alpha = plan.alpha
         reach = self._known.reach(path.points)
         hits, relaxed = self._around.remembered, self._record.relaxed
         self._motion.begin(self._here, path, self._record.goal, reach, relaxed, hits)
         return self._stopped() if self._motion.stopped is not None else []
 
-    def _drive(self, pose: Pose2, dt: float) -> list[Command]:
+    def _jumped(self, jump: str) -> list[Command]:
+        """Stand and perceive anew: neither path nor hit points hold where the robot now is."""
+        if self._state is State.MOVING:
+            self._motion.halt()
+            self._record.stopped(Stop.NONE, self._motion.came_on)
+        self._state = State.PERCEIVING
+        self._around.clear()
+        self._hold.begin(self._time.elapsed, jump)
+        return self._failed_once("the pose jumped", jump) or [Drive(0.0, 0.0)]
+
+    def _drive(self, pose: Pose2, dt: float, delay: float) -> list[Command]:
         around, now = self._around, self._time.clock
-        if silent := around.silent(now):
-            return self._stand(f"no readings from {', '.join(silent)}")
+        speed = self._motion.velocity[0]
+        if doubt := around.distrusted(now) or self._poses.frozen(pose, speed, dt):
+            return self._stand(doubt)
         self._hold.end()
-        v, omega = self._motion.step(pose, around.known(now), dt, around.suspected(now))
+        hits, suspected = around.known(now), around.suspected(now)
+        v, omega = self._motion.step(pose, hits, dt, suspected, delay)
         if self._motion.stopped is not None:
             return self._stopped()
         if self._motion.stuck:
@@ -377,24 +330,20 @@ class Mission:
         verdict = verdicts.arrival(self._record, self._here)
         if verdict:
             return self._finish(verdict)
-        self._record.stopped(self._motion.stopped, self._motion.came_on)
-        hits = self._around.near(self._time.clock, self._here, self._record.without_progress)
+        stop, now = self._motion.stopped, self._time.clock
+        because = self._around.nearest(now, self._here) if stop is Stop.CLEARANCE else ""
+        self._record.stopped(stop, self._motion.came_on, because)
+        hits = self._around.near(now, self._here, self._record.without_progress)
         self._tried.stopped(self._record, hits, self._motion.next_point, self._known)
         verdict = verdicts.stalemate(self._record, self._here, self._p)
         if verdict or self._record.without_progress == 0 or not self._turn.begin(self._here):
             return self._finish(verdict) if verdict else self._perceive()
-        self._state = _State.TURNING
+        self._state = State.TURNING
         return []
 
     def _finish(self, verdict: verdicts.Verdict) -> list[Command]:
-        self._state = _State.IDLE
+        self._state = State.IDLE
         self._around.rest()
         self._request.settle()
         self._hold.end()
         return [Drive(0.0, 0.0), self._record.finish(*verdict, self._time.elapsed)]
-
-    def _distance_remaining(self) -> float:
-        if self._record.alpha > 0.0:
-            return self._motion.remaining
-        goal = self._record.goal
-        return self._pose.distance_to(goal.x, goal.y) if self._pose else math.nan

@@ -63,6 +63,7 @@ class MissionRecord:
         self.perceptions = 0
         self.alpha = 0.0
         self.last_stop = Stop.NONE
+        self.because = ""
         self.without_progress = 0
         self.log: list[LogEntry] = []
         self._path_length = 0.0
@@ -101,9 +102,9 @@ class MissionRecord:
             LogEntry(self.perceptions, now, pose, self.last_stop, self.alpha, distance_remaining)
         )
 
-    def stopped(self, reason: Stop, progress: bool) -> None:
+    def stopped(self, reason: Stop, progress: bool, because: str = "") -> None:
         """Take note of why the robot stopped and whether it had come on since it perceived."""
-        self.last_stop = reason
+        self.last_stop, self.because = reason, because
         self.without_progress = 0 if progress else self.without_progress + 1
 
     def finish(self, outcome: Outcome, message: str, time: float) -> Finish:

@@ -35,6 +35,9 @@ ADVANCE = 0.01
 BETTER = 0.01
 #: No points.
 NOTHING = np.empty((0, 2))
+#: Way that a robot may have come since the pose that it goes by [m]; it drives slower, not below
+#: a speed [m/s].
+STALE_WAY, CRAWL = 0.05, 0.05
 #: Speed that is allowed at any clearance [m/s].
 LEAST_SPEED = 0.1
 
@@ -119,6 +122,11 @@ class Motion:
     def path(self) -> PlannedPath:
         """The whole planned path."""
         return self._path
+
+    @property
+    def velocity(self) -> tuple[float, float]:
+        """The last command: speed [m/s] and turning rate [rad/s]."""
+        return self._follower.velocity
 
     @property
     def stopped(self) -> Stop | None:
@@ -220,6 +228,7 @@ class Motion:
         hits: NDArray[np.float64],
         dt: float,
         suspected: NDArray[np.float64] = NOTHING,
+        delay: float = 0.0,
     ) -> tuple[float, float]:
         """Return the command of one tick, speed [m/s] and turning rate [rad/s].
 
@@ -233,6 +242,8 @@ class Motion:
             Time since the last tick [s].
         suspected : ndarray of float64, shape (m, 2)
             Points [m] that the robot must be able to stop short of, should they prove true.
+        delay : float
+            How long ago the robot was there [s].
         """
         follower = self._follower
         self._stalled += dt
@@ -240,12 +251,15 @@ class Motion:
             self._stalled, self._advanced = 0.0, self.progress
         if self._p.subcell_target and self.passed > self._aimed_at and self._stopping is None:
             self._aim_again(pose, hits)
-        stop_at, max_speed = self._limits(pose, hits, dt)
+        lag = 2.0 * dt + delay
+        stop_at, max_speed = self._limits(pose, hits, lag)
         if len(suspected) > 0:
-            max_speed = min(max_speed, self._wary_speed(pose, suspected, dt))
+            max_speed = min(max_speed, self._wary_speed(pose, suspected, lag))
+        if delay * max_speed > STALE_WAY:
+            max_speed = max(STALE_WAY / delay, CRAWL)
         if self._stopping is not None:
             stop_at = -math.inf
-        v, omega = follower.step(pose, dt, stop_at=stop_at, max_speed=max_speed)
+        v, omega = follower.step(pose, dt, stop_at=stop_at, max_speed=max_speed, delay=delay)
         if follower.standing and self._stopping is not None:
             self._stopped = self._stopping
         elif follower.done:
@@ -285,24 +299,24 @@ class Motion:
         self._first = self._aimed_at
         self._follower.follow(np.vstack([(pose.x, pose.y), self._targets[ahead]]), moving=True)
 
-    def _wary_speed(self, pose: Pose2, suspected: NDArray[np.float64], dt: float) -> float:
+    def _wary_speed(self, pose: Pose2, suspected: NDArray[np.float64], lag: float) -> float:
         """Return the speed [m/s] from which the robot stops at its least clearance."""
         clearance = clearance_at((pose.x, pose.y), suspected, self._p.robot_radius)[0]
         room = float(clearance) - self._p.clearance.limit
         deceleration = BRAKING_PART * self._p.follower.linear_acceleration
-        return max(LEAST_SPEED, approach_speed(room, deceleration, 2.0 * dt))
+        return max(LEAST_SPEED, approach_speed(room, deceleration, lag))
 
     def _stop(self, reason: Stop) -> None:
         if self._stopping is None:
             self._stopping = reason
 
-    def _limits(self, pose: Pose2, hits: NDArray[np.float64], dt: float) -> tuple[float, float]:
+    def _limits(self, pose: Pose2, hits: NDArray[np.float64], lag: float) -> tuple[float, float]:
         """Return where the robot has to stand at the latest [m] and its largest speed [m/s]."""
         follower = self._follower
         speed, _ = follower.velocity
         deceleration = BRAKING_PART * self._p.follower.linear_acceleration
         horizon = follower.progress + speed * speed / (2.0 * deceleration)
-        horizon += 2.0 * speed * dt + 1.5 * self._path.resolution
+        horizon += speed * lag + 1.5 * self._path.resolution
         passed = follower.vertex_progress
         following = np.arange(self.passed - self._first + 1, len(passed))
         near = passed[following] <= horizon
@@ -310,7 +324,7 @@ class Motion:
         ahead = following[near]
         places = np.vstack([(pose.x, pose.y), follower.points_at(passed[ahead])])
         clearances = clearance_at(places, hits, self._p.robot_radius)
-        max_speed = max(LEAST_SPEED, approach_speed(float(clearances[0]), deceleration, 2.0 * dt))
+        max_speed = max(LEAST_SPEED, approach_speed(float(clearances[0]), deceleration, lag))
         stop_at = math.inf
         if self._reach < self._driven:
             # The map changed under the path.

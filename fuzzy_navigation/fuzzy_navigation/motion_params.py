@@ -17,6 +17,7 @@ __all__ = [
     "ClearanceParameters",
     "FollowerParameters",
     "TimeoutParameters",
+    "WatchParameters",
 ]
 
 #: Radius of the NOMAD 200's cylindrical body [m] (paper, section II).
@@ -111,6 +112,45 @@ class FollowerParameters:
 
 
 @dataclass(frozen=True)
+class WatchParameters:
+    """What sensors and poses that can be trusted do."""
+
+    stuck_turn: float = parameter(
+        math.radians(45.0),
+        doc="a sensor that goes on telling exactly the same distance while it turns by this angle "
+        "is stuck, and the robot stands; 2 pi: never",
+        unit="rad",
+        minimum=math.radians(5.0),
+        maximum=2.0 * math.pi,
+    )
+    pose_jump: float = parameter(
+        0.3,
+        doc="by how much a pose may lie farther from the one before than the robot can have come; "
+        "beyond, the robot stands and perceives anew",
+        unit="m",
+        minimum=0.01,
+        maximum=1000.0,
+    )
+    pose_turn: float = parameter(
+        math.radians(20.0),
+        doc="the same for the heading",
+        unit="rad",
+        minimum=math.radians(1.0),
+        maximum=2.0 * math.pi,
+    )
+    pose_frozen: float = parameter(
+        0.2,
+        doc="way for which the robot is driven without its pose changing, after which it stands",
+        unit="m",
+        minimum=0.03,
+        maximum=1000.0,
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@dataclass(frozen=True)
 class TimeoutParameters:
     """How long the motion waits for others before it stops or gives up."""
 
@@ -120,6 +160,13 @@ class TimeoutParameters:
     infrared: float = parameter(
         0.5,
         doc="age of the infrared readings at which the robot stops",
+        unit="s",
+        minimum=0.05,
+        maximum=60.0,
+    )
+    sonar: float = parameter(
+        0.5,
+        doc="age of the sonars' readings at which a robot that they guard stops (see sonar_guard)",
         unit="s",
         minimum=0.05,
         maximum=60.0,
@@ -138,8 +185,8 @@ class TimeoutParameters:
     )
     lost: float = parameter(
         10.0,
-        doc="how long the robot stands and waits for lost poses or infrared readings before the "
-        "mission fails",
+        doc="how long the robot stands and waits for lost poses or readings, or for sensors or "
+        "poses that cannot be trusted, before the mission fails",
         unit="s",
         minimum=0.1,
         maximum=3600.0,

@@ -34,6 +34,7 @@ from fuzzy_navigation.motion_params import (
     ClearanceParameters,
     FollowerParameters,
     TimeoutParameters,
+    WatchParameters,
 )
 from fuzzy_navigation.plan_types import MAX_TOLERANCE
 
@@ -52,6 +53,7 @@ __all__ = [
     "SonarParameters",
     "TimeoutParameters",
     "TurretParameters",
+    "WatchParameters",
     "motion_parameters",
     "planner_parameters",
 ]
@@ -281,6 +283,7 @@ class MotionParameters:
     sonar_guard: SonarGuardParameters = field(
         default_factory=lambda: SonarGuardParameters(spread=0.0)
     )
+    watch: WatchParameters = field(default_factory=WatchParameters)
     timeout: TimeoutParameters = field(default_factory=TimeoutParameters)
 
     def __post_init__(self) -> None:

@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 
 from fuzzy_map_building.sonar_guard import guard_points, rim_points
 from fuzzy_map_building.types import InfraredReading, Pose2, SonarReading
-from fuzzy_navigation.clearance import InfraredRing, clearance_at
+from fuzzy_navigation.clearance import InfraredRing, clearance_at, hit_points
 from fuzzy_navigation.hit_memory import HitMemory
 from fuzzy_navigation.params import MotionParameters
+from fuzzy_navigation.ring_watch import RingWatch
 
 __all__ = ["Surroundings"]
 
@@ -25,6 +26,9 @@ Points = NDArray[np.float64]
 NEAR = 0.5
 #: Stops in a row without progress after which points whose distance is a guess are remembered.
 GUESSES_BELIEVED = 2
+
+#: Sensors that are named one by one; of more the others are counted.
+NAMED = 4
 
 _Phase = Enum("_Phase", ["IDLE", "STANDING", "MOVING"])
 
@@ -44,12 +48,18 @@ class Surroundings:
         self._memory = HitMemory(parameters.infrared)
         self._echoes: dict[int, SonarReading] = {}
         self._phase = _Phase.IDLE
+        near, far = parameters.infrared, parameters.sonar
+        self._watches = [RingWatch(near.frame_ids, near.min_range, near.max_range)]
+        if parameters.sonar_guard.enabled:
+            self._watches.append(RingWatch(far.frame_ids, far.min_range, far.max_range))
 
     def clear(self) -> None:
         """Forget all readings."""
         self._ring.clear()
         self._memory.forget()
         self._echoes.clear()
+        for watch in self._watches:
+            watch.clear()
 
     def update(
         self,
@@ -77,6 +87,8 @@ class Surroundings:
             If an infrared's sensor is not one of the ring's; then nothing is taken.
         """
         self._ring.update(infrared)
+        for watch, readings in zip(self._watches, (infrared, sonar), strict=False):
+            watch.update(readings)
         layer, guard = self._p.layer, self._p.sonar_guard
         if self._phase is _Phase.STANDING and (layer.enabled or guard.enabled):
             self._memory.stand(infrared, sonar)
@@ -116,9 +128,39 @@ class Surroundings:
         """Return the clearance of the body [m] from what the infrareds see now."""
         return float(clearance_at((pose.x, pose.y), self.seen(now), self._p.robot_radius)[0])
 
-    def silent(self, now: float) -> list[str]:
-        """Return the frames of the infrareds that have not been heard of for too long."""
-        return self._ring.silent(now, self._p.timeout.infrared)
+    def distrusted(self, now: float) -> str:
+        """Return why the sensors that guard the robot cannot be trusted; empty if they can."""
+        limits = self._p.timeout.infrared, self._p.timeout.sonar
+        silent: list[str] = []
+        stuck: list[str] = []
+        for watch, limit in zip(self._watches, limits, strict=False):
+            silent += watch.silent(now, limit)
+            stuck += watch.stuck(self._p.watch.stuck_turn)
+        if silent:
+            return f"no readings from {_listed(silent)}"
+        if stuck:
+            turn = math.degrees(self._p.watch.stuck_turn)
+            return f"the same range for a turn of {turn:.0f} deg or more from {_listed(stuck)}"
+        return ""
+
+    def nearest(self, now: float, pose: Pose2) -> str:
+        """Return which sensor sees what is nearest to the body, and where; empty if none does."""
+        p = self._p
+        limit = p.timeout.infrared
+        echoes = [e for e in self._echoes.values() if now - e.stamp <= p.timeout.sonar]
+        seen = [
+            (float(clearance_at((pose.x, pose.y), hit, p.robot_radius)[0]), frames[reading.sensor])
+            for ring, frames, readings in (
+                (p.infrared, p.infrared.frame_ids, self._ring.present(now, limit)),
+                (p.sonar, p.sonar.frame_ids, echoes),
+            )
+            for reading in readings
+            if len(hit := hit_points([reading], ring.mount_radius, ring.min_range, ring.max_range))
+        ]
+        if not seen:
+            return ""
+        clearance, frame = min(seen)
+        return f"{frame} sees something {clearance:.2f} m from the body"
 
     def seen(self, now: float) -> Points:
         """Return the hit points (x, y) [m] that the infrareds see now, shape (n, 2)."""
@@ -186,3 +228,9 @@ class Surroundings:
         return guard_points(
             short, infrared, p.sonar, p.infrared, p.sonar_guard, reach, p.robot_radius
         )
+
+
+def _listed(frames: Sequence[str]) -> str:
+    named = ", ".join(frames[:NAMED])
+    more = len(frames) - NAMED
+    return f"{named} and {more} more" if more > 0 else named

@@ -37,10 +37,12 @@ def arrival(record: MissionRecord, pose: Pose2) -> Verdict | None:
     return Outcome.REACHED, f"the robot stands {distance:.3f} m from the goal"
 
 
-def no_plan(plan: PlanResult) -> Verdict:
+def no_plan(plan: PlanResult, record: MissionRecord) -> Verdict:
     """Return the verdict on a request to the planner that brought no path."""
-    unreachable = plan.status == PlanStatus.NO_PATH
-    return Outcome.UNREACHABLE if unreachable else Outcome.FAILED, plan.message
+    if plan.status != PlanStatus.NO_PATH:
+        return Outcome.FAILED, plan.message
+    because = f"; at the last stop {record.because}" if record.because else ""
+    return Outcome.UNREACHABLE, plan.message + because
 
 
 def stuck(pose: Pose2) -> Verdict:
@@ -61,6 +63,7 @@ def stalemate(record: MissionRecord, pose: Pose2, parameters: MotionParameters) 
     what = (
         f"{record.without_progress} perceptions in a row at ({pose.x:.2f}, {pose.y:.2f}) m "
         f"brought no progress, the last stop was {record.last_stop.name}"
+        + (f": {record.because}" if record.because else "")
     )
     if record.alpha > parameters.believed_free_alpha:
         return (

@@ -94,7 +94,7 @@ class Control:
 
     def __init__(self, mission: Mission, parameters: MotionParameters) -> None:
         self._mission = mission
-        self._ticks = ControlTicks(parameters.infrared.bearings)
+        self._ticks = ControlTicks(parameters.infrared.bearings, parameters.timeout.pose)
         self._time = PoseTime()
         self._clock = 0.0
         self._wall = 0.0
@@ -147,4 +147,5 @@ class Control:
         self._last_tick = self._wall
         now = self._time.at_pose(tick.stamp, self._clock, self._wall)
         sonar = self._echoes.release(self._clock) if self._echoes is not None else ()
-        yield self._mission.on_pose(now, tick.pose, tick.readings, sonar)
+        delay = self._clock - tick.stamp
+        yield self._mission.on_pose(now, tick.pose, tick.readings, sonar, delay)

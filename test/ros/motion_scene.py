@@ -24,6 +24,8 @@ PARAMETERS: dict[str, Any] = {
     "use_sim_time": True,
     "infrared.frame_ids": list(FRAMES),
     "infrared.bearings": [0.0, math.pi],
+    "sonar.frame_ids": ["sonar_0"],
+    "sonar.bearings": [0.0],
     "timeout.lost": 3.0,
     "timeout.server": 0.5,
     "attempts": 2,

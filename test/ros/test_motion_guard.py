@@ -34,6 +34,8 @@ class Echoes:
 
     def __init__(self, scene: Scene) -> None:
         self.comes = True
+        #: Where the glass stands; +inf: nowhere, NaN: the sonar is faulty.
+        self.glass = GLASS
         self.field_of_view = math.radians(25.0)
         self._sonar = scene.probe.node.create_publisher(Range, names.SONAR, qos.RANGES)
         self._turret = scene.probe.node.create_publisher(
@@ -46,7 +48,7 @@ class Echoes:
         joint.header.stamp = message.header.stamp
         self._turret.publish(joint)
         if self.comes:
-            distance = GLASS - message.pose.position.x - RADIUS
+            distance = self.glass - message.pose.position.x - RADIUS
             echo = Range(field_of_view=self.field_of_view, max_range=6.5, range=distance)
             echo.header.frame_id, echo.header.stamp = "sonar_0", message.header.stamp
             self._sonar.publish(echo)
@@ -58,7 +60,7 @@ def change(scene: Scene, name: str, value: object) -> None:
     assert scene.probe.call(SetParameters, service, asked).results[0].successful
 
 
-def test_glass_stops_the_robot_once_the_guard_is_on(scene: Scene) -> None:
+def test_sonars_guard_the_robot_once_the_guard_is_on(scene: Scene) -> None:
     echoes = Echoes(scene)
     change(scene, "sonar_guard.enabled", False)
     assert scene.result(scene.send(goal_at(3.5, 1.05))).result.outcome == RESULT.REACHED
@@ -74,8 +76,21 @@ def test_glass_stops_the_robot_once_the_guard_is_on(scene: Scene) -> None:
     assert 0.03 < GLASS - scene.robot.x - RADIUS < 0.3
 
     scene.reset()
-    echoes.comes = False  # the glass has gone
+    echoes.glass = math.inf  # it has gone
     assert scene.result(scene.send(goal_at(3.5, 1.05))).result.outcome == RESULT.REACHED
+
+    # Who guards the robot must not fall silent, nor report nothing but faults.
+    for glass, comes in ((math.inf, False), (math.nan, True)):
+        echoes.glass, echoes.comes = math.inf, True
+        scene.reset()
+        handle = scene.go(3.5, 1.05)
+        echoes.glass, echoes.comes = glass, comes
+        result = scene.result(handle).result
+        assert result.outcome == RESULT.FAILED
+        assert "no readings from sonar_0" in result.message
+        assert scene.robot.x < GLASS
+    assert int(scene.values()["rejected.sonar.faulty"]) > 10
+
     change(scene, "sonar_guard.enabled", False)
     wait_until(
         lambda: scene.probe.node.count_subscribers(names.SONAR) == 0, "the motion to hear nothing"

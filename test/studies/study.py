@@ -32,10 +32,13 @@ class Options:
     seed: int
     output: Path
     jobs: int
+    seeds: int = 1
 
 
-def parse_options(description: str, argv: Sequence[str] | None = None) -> Options:
-    """Read the options that every study takes."""
+def parse_options(
+    description: str, argv: Sequence[str] | None = None, seeds: int | None = None
+) -> Options:
+    """Read the options that every study takes, and with a default the number of seeds."""
     parser = argparse.ArgumentParser(description=description)
     parser.add_argument("--quick", action="store_true", help="the smallest run that tells")
     parser.add_argument("--seed", type=_seed, default=0, help="(first) seed of all noise")
@@ -43,8 +46,10 @@ def parse_options(description: str, argv: Sequence[str] | None = None) -> Option
         "--output", type=Path, default=Path("build/studies"), help="folder of the results"
     )
     parser.add_argument(
-        "--jobs", type=_jobs, default=len(os.sched_getaffinity(0)), help="processes at a time"
+        "--jobs", type=_count, default=len(os.sched_getaffinity(0)), help="processes at a time"
     )
+    if seeds is not None:
+        parser.add_argument("--seeds", type=_count, default=seeds, help="missions of each line")
     return Options(**vars(parser.parse_args(argv)))
 
 
@@ -55,11 +60,11 @@ def _seed(text: str) -> int:
     return seed
 
 
-def _jobs(text: str) -> int:
-    jobs = int(text)
-    if jobs < 1:
-        raise argparse.ArgumentTypeError(f"at least one process is needed, got {text}")
-    return jobs
+def _count(text: str) -> int:
+    count = int(text)
+    if count < 1:
+        raise argparse.ArgumentTypeError(f"at least one is needed, got {text}")
+    return count
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ from fuzzy_map_building.ros.diagnostics import Diagnostics
 from fuzzy_map_building.types import Pose2, SonarReading
 from fuzzy_navigation.params import MotionParameters
 from fuzzy_navigation.ros.backlog import take_waiting
+from fuzzy_navigation.ros.faulty_ranges import usable
 
 __all__ = ["EchoListener"]
 
@@ -77,7 +78,9 @@ class EchoListener:
     def _take(self, message: Range) -> None:
         sonar = self._p.sonar
         try:
-            sample = range_from_msg(message, sonar.frame_ids, sonar.field_of_view, names.SONAR)
+            sample = usable(
+                range_from_msg(message, sonar.frame_ids, sonar.field_of_view, names.SONAR), "sonar"
+            )
         except Refused as refused:
             self._diagnostics.reject(names.SONAR, refused.reason, str(refused))
             return

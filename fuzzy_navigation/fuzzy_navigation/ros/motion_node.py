@@ -28,7 +28,6 @@ from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.ros import names, qos
 from fuzzy_map_building.ros.clock import create_steady_timer, now_seconds, seconds_from_stamp
 from fuzzy_map_building.ros.conversions import (
-    RangeSample,
     Refused,
     range_from_msg,
     risk_from_msg,
@@ -55,6 +54,7 @@ from fuzzy_navigation.planner import PlanResult
 from fuzzy_navigation.pose_time import PoseTime
 from fuzzy_navigation.ros.backlog import take_waiting
 from fuzzy_navigation.ros.echo_listener import EchoListener
+from fuzzy_navigation.ros.faulty_ranges import usable
 from fuzzy_navigation.ros.navigate_server import NavigateServer
 from fuzzy_navigation.ros.partners import MapperClient, PlannerClient
 from fuzzy_navigation.ros.requests import requested_pose
@@ -84,7 +84,7 @@ class MotionNode(Node):
         parameters = self._settings.values
         warm_up()  # before the first tick, which would otherwise wait for the compiler
         self._frames = parameters.infrared.frame_ids
-        self._ticks = ControlTicks(parameters.infrared.bearings)
+        self._ticks = ControlTicks(parameters.infrared.bearings, parameters.timeout.pose)
         self._time = PoseTime()
         self._mission = Mission(parameters)
         self._stale_parameters = False
@@ -148,7 +148,7 @@ class MotionNode(Node):
 
     def _take_range(self, message: Range) -> None:
         try:
-            sample = _usable(range_from_msg(message, self._frames, what="infrared range"))
+            sample = usable(range_from_msg(message, self._frames, what="infrared range"))
             tick = self._ticks.on_range(
                 self._clock_time(), sample.sensor, sample.stamp, sample.range
             )
@@ -165,7 +165,8 @@ class MotionNode(Node):
         self._counts["ticks" if tick.complete else "ticks.incomplete"] += 1
         now = self._time.at_pose(tick.stamp, now_seconds(self), self._last_tick)
         sonar = self._echoes.release() if self._echoes is not None else ()
-        self._carry_out(self._mission.on_pose(now, tick.pose, tick.readings, sonar))
+        delay = now_seconds(self) - tick.stamp
+        self._carry_out(self._mission.on_pose(now, tick.pose, tick.readings, sonar, delay))
 
     def _on_map(self, message: OccupancyGrid) -> None:
         try:
@@ -284,6 +285,7 @@ class MotionNode(Node):
             return
         self._stale_parameters = False
         self._mission = Mission(self._settings.values)
+        self._ticks.max_age = self._settings.values.timeout.pose
         self._listen(self._settings.values)
         self._missions_before = self._missions
         if self._map is not None:
@@ -337,16 +339,6 @@ class MotionNode(Node):
     def _clock_time(self) -> float:
         """Return the clock's time [s], infinite before simulated time has begun."""
         return now_seconds(self) or math.inf
-
-
-def _usable(sample: RangeSample) -> RangeSample:
-    if sample.range >= 0.0 or sample.range == -math.inf:
-        return sample
-    raise Refused(
-        "faulty",
-        f"infrared sensor {sample.sensor} reports a range of {sample.range} m; REP 117 has "
-        "distances, +inf for none and -inf for too close",
-    )
 
 
 def main() -> int:

@@ -5,7 +5,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,8 @@ from fuzzy_navigation.params import PAPER_PRESET, MotionParameters, motion_param
 from fuzzy_navigation.planner import PlanResult, PlanStatus
 
 DT = 0.05
+#: No sensor.
+NONE: Mapping[str, int] = {}
 RADIUS = 0.23
 GEOMETRY = GridGeometry(60, 40, 0.1)
 #: Distance [m] that an infrared sensor at (x, y) measures in a direction [rad].
@@ -75,7 +78,7 @@ class Script:
         self.pose = Pose2(1.05, 2.05, 0.0)
         self.seen: Seen = nothing
         #: What 16 sonars see, with the infrareds' bearings, out to 3 m.
-        self.heard: Seen | None = None
+        self.heard: Seen = nothing
         self.risk: NDArray[np.float64] = np.zeros(GEOMETRY.shape)
         self.commands: list[Command] = []
         self.poses: list[Pose2] = []
@@ -88,8 +91,6 @@ class Script:
         return self.take(self.mission.start(self.now, (x, y), tolerance))
 
     def sonar(self) -> list[SonarReading]:
-        if self.heard is None:
-            return []
         readings = []
         for k in range(16):
             direction = self.pose.theta + k * math.pi / 8.0
@@ -109,11 +110,31 @@ class Script:
             readings.append(InfraredReading(self.pose, k * math.pi / 8.0, distance, self.now, k))
         return readings
 
-    def tick(self, infrared: bool = True) -> Commands:
-        """Let a tick pass: the robot moves as told before, then its pose is told."""
+    def tick(
+        self,
+        infrared: bool = True,
+        sonar: bool = True,
+        stuck: Mapping[str, int] = NONE,
+        dazzled: int = -1,
+        delay: float = 0.0,
+    ) -> Commands:
+        """Let a tick pass: the robot moves as told before, then its pose is told.
+
+        A sensor of a ring may be stuck at 0.5 m, an infrared dazzled so that it sees something
+        at 0.02 m, and the pose may come late.
+        """
         self.now += DT
-        seen = self.infrared() if infrared else ()
-        commands = self.take(self.mission.on_pose(self.now, self.pose, seen, self.sonar()))
+        seen = [
+            replace(r, range=0.5 if stuck.get("infrared") == r.sensor else 0.02)
+            if r.sensor in (stuck.get("infrared"), dazzled)
+            else r
+            for r in (self.infrared() if infrared else ())
+        ]
+        heard = [
+            replace(r, range=0.5) if stuck.get("sonar") == r.sensor else r
+            for r in (self.sonar() if sonar else ())
+        ]
+        commands = self.take(self.mission.on_pose(self.now, self.pose, seen, heard, delay))
         self.poses.append(self.pose)
         for command in commands:
             if isinstance(command, Drive):

@@ -88,21 +88,11 @@ class TestRing:
         assert len(ring.hits(1.51, 0.5)) == 1
         assert len(ring.hits(3.0, 0.5)) == 0
 
-    def test_silent_sensors_are_named(self) -> None:
+    def test_a_faulty_reading_is_none(self) -> None:
         ring = InfraredRing(RING)
-        assert len(ring.silent(0.0, 0.5)) == 16
-        ring.update([reading(k, math.inf, 1.0) for k in range(16) if k != 3])
-        assert ring.silent(1.2, 0.5) == ["infrared_3"]
-        ring.update([reading(3, 0.2, 1.2)])
-        assert ring.silent(1.2, 0.5) == []
-        assert len(ring.silent(1.6, 0.5)) == 15
-        ring.clear()
-        assert len(ring.silent(1.2, 0.5)) == 16
-
-    def test_a_faulty_reading_leaves_its_sensor_silent(self) -> None:
-        ring = InfraredRing(RING)
-        ring.update([reading(k, math.nan, 1.0) for k in range(16)])
-        assert len(ring.silent(1.0, 0.5)) == 16
+        ring.update([reading(0, 0.1, 1.0)])
+        ring.update([reading(0, math.nan, 1.1)])
+        assert len(ring.hits(1.2, 0.5)) == 1
 
     @pytest.mark.parametrize("sensor", [-1, 16])
     def test_an_unknown_sensor_is_refused_with_all_that_came_along(self, sensor: int) -> None:
@@ -110,4 +100,4 @@ class TestRing:
         stranger = InfraredReading(Pose2(0, 0, 0), 0.0, 0.1, 1.0, sensor)
         with pytest.raises(ValueError, match=rf"sensor {sensor}: .* 0 to 15"):
             ring.update([reading(0, 0.1, 1.0), stranger])
-        assert len(ring.silent(1.0, 0.5)) == 16
+        assert ring.present(1.0, 0.5) == []

@@ -207,7 +207,8 @@ def test_a_robot_that_does_not_obey_ends_it() -> None:
         commands = script.tick()
         assert script.now < 130.0
     assert finish_of(commands).outcome is Outcome.FAILED
-    assert "does not do what it is told" in finish_of(commands).message
+    assert "still said to be at (1.05, 2.05) m" in finish_of(commands).message
+    assert script.now - 100.0 < 0.9 + 0.2 / 0.3 + 10.0
 
 
 def test_a_clock_that_steps_back_neither_ends_nor_blinds_it() -> None:

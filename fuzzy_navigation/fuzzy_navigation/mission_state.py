@@ -1,0 +1,110 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""What a mission knows and shows: its parts, and everything that can be asked of it."""
+
+from __future__ import annotations
+
+import math
+from enum import Enum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzy_map_building.types import Pose2
+from fuzzy_navigation.explored_area import ExploredArea
+from fuzzy_navigation.look_turn import LookTurn
+from fuzzy_navigation.mission_record import MissionRecord
+from fuzzy_navigation.mission_types import Feedback, LogEntry, Phase
+from fuzzy_navigation.mission_waiting import Hold, MissionTime, OpenRequest
+from fuzzy_navigation.motion import Motion
+from fuzzy_navigation.params import MotionParameters
+from fuzzy_navigation.pose_watch import PoseWatch
+from fuzzy_navigation.surroundings import Surroundings
+from fuzzy_navigation.tried_places import TriedPlaces
+
+__all__ = ["MissionState", "State"]
+
+#: What a mission is about.
+State = Enum("State", ["IDLE", "WAITING", "PERCEIVING", "PLANNING", "MOVING", "TURNING"])
+
+
+class MissionState:
+    """The parts of a mission, and what they tell of it; the events are `Mission`'s.
+
+    Parameters
+    ----------
+    parameters : MotionParameters, optional
+        Rules and limits.
+    """
+
+    def __init__(self, parameters: MotionParameters | None = None) -> None:
+        self._p = parameters if parameters is not None else MotionParameters()
+        self._around = Surroundings(self._p)
+        self._motion = Motion(self._p)
+        self._poses = PoseWatch(self._p.watch, self._p.follower)
+        self._area: ExploredArea | None = None
+        self._pose: Pose2 | None = None
+        self._pose_time = -math.inf
+        self._time = MissionTime()
+        self._state = State.IDLE
+        self._record = MissionRecord(0, Pose2(0.0, 0.0), 0.0, 0.0)
+        self._request = OpenRequest()
+        self._hold = Hold()
+        self._asked_at, self._answered, self._map_seen = 0.0, False, False
+        self._tried = TriedPlaces(self._p)
+        self._turn = LookTurn(self._p.look_turn, self._p.follower)
+
+    @property
+    def active(self) -> bool:
+        """Whether a mission runs."""
+        return self._state is not State.IDLE
+
+    @property
+    def phase(self) -> Phase:
+        """What the robot is doing."""
+        moving = dict.fromkeys((State.MOVING, State.TURNING), Phase.MOVING)
+        return {State.PLANNING: Phase.PLANNING, **moving}.get(self._state, Phase.PERCEIVING)
+
+    @property
+    def log(self) -> tuple[LogEntry, ...]:
+        """One entry for each perception of the newest mission."""
+        return tuple(self._record.log)
+
+    @property
+    def travelled(self) -> NDArray[np.float64]:
+        """Positions (x, y) [m] along the way of the newest mission, shape (m, 2)."""
+        return self._record.travelled
+
+    @property
+    def plan_path(self) -> NDArray[np.float64]:
+        """Cell centres (x, y) [m] of the newest plan, shape (n, 2)."""
+        return self._motion.path.points
+
+    def feedback(self) -> Feedback:
+        """Return the state of the mission."""
+        r, left = self._record, self._distance_remaining()
+        return Feedback(
+            self.phase, r.last_stop, r.perceptions, r.alpha, left, self._pose, self._hold.reason
+        )
+
+    def _pose_age(self) -> float:
+        return self._time.elapsed - self._pose_time
+
+    def _awaits(self, state: State, request: int) -> bool:
+        return self._state is state and self._request.answered_by(request)
+
+    @property
+    def _here(self) -> Pose2:
+        assert self._pose is not None
+        return self._pose
+
+    @property
+    def _known(self) -> ExploredArea:
+        assert self._area is not None
+        return self._area
+
+    def _distance_remaining(self) -> float:
+        if self._record.alpha > 0.0:
+            return self._motion.remaining
+        goal = self._record.goal
+        return self._pose.distance_to(goal.x, goal.y) if self._pose else math.nan
