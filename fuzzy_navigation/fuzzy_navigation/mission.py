@@ -306,6 +306,7 @@ class Mission(MissionState):
             self._motion.halt()
             self._record.stopped(Stop.NONE, self._motion.came_on)
         self._state = State.PERCEIVING
+        self._record.jump = jump
         self._around.clear()
         self._hold.begin(self._time.elapsed, jump)
         return self._failed_once("the pose jumped", jump) or [Drive(0.0, 0.0)]

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What sensors, messages, poses and clocks that fail do to missions: slower, or it stands.
 
-``python test/studies/faults.py [--quick] [--seed N] [--seeds N] [--output DIR]``
+``python test/studies/faults.py [--quick] [--seed N] [--seeds N] [--worlds W] [--output DIR]``
 """
 
 from __future__ import annotations
@@ -97,23 +97,24 @@ QUICK = ("all sonars dead", "infrared ahead dead")
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the study."""
-    options = parse_options("What faults do to missions.", argv, RUNS)
+    options = parse_options("What faults do to missions.", argv, RUNS, WORLDS)
     header = ("fault", "world", "reached", "else", "perceptions", "time", "contacts", "clearance")
     study = Study("faults", "Faults, with the preset 'consistent'", options, header)
     cases = [HEALTHY, *(c for c in CASES if not options.quick or c.name in QUICK)]
-    worlds = WORLDS[:1] if options.quick else WORLDS
+    worlds = options.worlds[:1] if options.quick else options.worlds
     seeds = range(options.seed, options.seed + (1 if options.quick else options.seeds))
     tried = [(case, world) for world in worlds for case in cases]
-    specs = [_spec(case, world, seed) for case, world in tried for seed in seeds]
+    # Seed by seed, so that a run that is broken off has told of each.
+    specs = [_spec(case, world, seed) for seed in seeds for case, world in tried]
     results: dict[int, MissionResult] = {}
     for index, result in run_in_parallel(run_spec, specs, options.jobs):
         results[index] = result
-        case, world = tried[index // len(seeds)]
+        case, world = tried[index % len(tried)]
         print(f"{len(results)} of {len(specs)}: {case.name}, {world}, {_told(result)}", flush=True)
 
     found: dict[tuple[str, str], list[MissionResult]] = {}
     for number, (case, world) in enumerate(tried):
-        missions = [results[number * len(seeds) + i] for i in range(len(seeds))]
+        missions = [results[number + i * len(tried)] for i in range(len(seeds))]
         found[case.name, world] = missions
         study.row(*_cells(case, world, missions, found[HEALTHY.name, world]))
     study.note("perceptions and time of the missions that arrived, in those without a fault.")

@@ -33,12 +33,16 @@ class Options:
     output: Path
     jobs: int
     seeds: int = 1
+    worlds: Sequence[str] = ()
 
 
 def parse_options(
-    description: str, argv: Sequence[str] | None = None, seeds: int | None = None
+    description: str,
+    argv: Sequence[str] | None = None,
+    seeds: int | None = None,
+    worlds: Sequence[str] = (),
 ) -> Options:
-    """Read the options that every study takes, and with a default the number of seeds."""
+    """Read the options that every study takes; with defaults, also how many seeds and where."""
     parser = argparse.ArgumentParser(description=description)
     parser.add_argument("--quick", action="store_true", help="the smallest run that tells")
     parser.add_argument("--seed", type=_seed, default=0, help="(first) seed of all noise")
@@ -50,6 +54,8 @@ def parse_options(
     )
     if seeds is not None:
         parser.add_argument("--seeds", type=_count, default=seeds, help="missions of each line")
+    if worlds:
+        parser.add_argument("--worlds", nargs="+", choices=worlds, default=worlds, help="where")
     return Options(**vars(parser.parse_args(argv)))
 
 
