@@ -94,7 +94,10 @@ class AnyEvents(RuleBasedStateMachine):
                 for k in range(sensors)
             ]
             echo = {"near": 0.2, "faulty": math.nan, "some": -math.inf}.get(ranges, math.inf)
-            echoes = [SonarReading(pose, 0.0, echo, self.now, 0)]
+            echoes = [
+                SonarReading(pose, k * math.pi / 8.0, echo if k == 0 else math.inf, self.now, k)
+                for k in range(sensors)
+            ]
             self.take(self.mission.on_pose(self.now, pose, readings, echoes), pose=True)
 
     @rule(seconds=st.sampled_from([0.1, 0.1, 0.6, 1.5, -2.0]))
