@@ -26,6 +26,7 @@ RELIABLE = {
     "ablation": {"complete"},
     "experiment1": {"reached", "perceptions", "time", "direct", "detour", "opening", "accurate"},
     "experiment2": {"reached", "contact", "alternative", "fails", "passes", "erased"},
+    "faults": {"contact", "verdict"},
     "figure8": {"perceptions", "walls", "grey", "reflections"},
     "simulation1": {"longer", "riskier", "fewest", "most"},
     "simulation2": {"longest", "start", "fewest", "most"},
