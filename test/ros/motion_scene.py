@@ -26,6 +26,7 @@ PARAMETERS: dict[str, Any] = {
     "infrared.bearings": [0.0, math.pi],
     "sonar.frame_ids": ["sonar_0"],
     "sonar.bearings": [0.0],
+    "sonar_guard.enabled": False,
     "timeout.lost": 3.0,
     "timeout.server": 0.5,
     "attempts": 2,

@@ -10,14 +10,14 @@ import pytest
 from fuzzy_map_building.types import Pose2
 from fuzzy_navigation.mission_types import Drive, Finish, Outcome, Perceive
 from fuzzy_navigation.params import motion_parameters
-from unit.fuzzy_navigation.mission_script import DT, Script, cells_along, finish_of
+from unit.fuzzy_navigation.mission_script import DT, Script, cells_along, finish_of, paper_script
 
 STAND = Drive(0.0, 0.0)
 GOAL = (3.05, 2.05)
 
 
 def consistent(**overrides: object) -> Script:
-    return Script(motion_parameters("consistent", overrides))
+    return Script(motion_parameters(overrides=overrides))
 
 
 def drive(script: Script, **broken: object) -> Finish:
@@ -55,7 +55,7 @@ def test_sonars_that_guard_it_must_not_fall_silent(broken: dict, named: str) -> 
     assert finish.outcome is Outcome.FAILED
     assert f"no readings from {named}" in finish.message
     # Where they guard nothing nobody misses them.
-    script = Script()
+    script = paper_script()
     script.set_out(GOAL)
     while script.mission.active:
         script.tick(sonar=False)
@@ -92,7 +92,7 @@ def test_a_sensor_that_tells_the_same_while_the_robot_turns_makes_it_stand(ring:
 
 
 def test_a_dazzled_sensor_is_named_in_the_verdict() -> None:
-    script = Script()
+    script = paper_script()
     script.set_out(GOAL)
     commands: tuple = ()
     while script.mission.active:
@@ -105,7 +105,7 @@ def test_a_dazzled_sensor_is_named_in_the_verdict() -> None:
 
 
 def test_a_pose_that_jumps_makes_it_stand_and_perceive_anew() -> None:
-    script = Script()
+    script = paper_script()
     script.set_out(GOAL)
     while script.pose.x < 1.5:
         script.tick()
@@ -121,7 +121,7 @@ def test_a_pose_that_jumps_makes_it_stand_and_perceive_anew() -> None:
 
 
 def test_a_pose_that_jumps_during_a_perception_has_it_made_again() -> None:
-    script = Script()
+    script = paper_script()
     script.tick()
     (first,) = script.start(*GOAL)
     script.pose = Pose2(1.05, 2.65, 0.0)
@@ -133,7 +133,7 @@ def test_a_pose_that_jumps_during_a_perception_has_it_made_again() -> None:
 
 
 def test_a_pose_that_jumps_again_and_again_ends_it() -> None:
-    script = Script()
+    script = paper_script()
     script.tick()
     script.start(*GOAL)
     for k in range(200):
@@ -148,7 +148,7 @@ def test_a_pose_that_jumps_again_and_again_ends_it() -> None:
 
 @pytest.mark.parametrize(("delay", "fastest"), [(0.0, 0.6), (0.05, 0.6), (0.25, 0.2), (0.5, 0.1)])
 def test_the_later_the_poses_the_slower_it_drives(delay: float, fastest: float) -> None:
-    script = Script()
+    script = paper_script()
     script.set_out(GOAL)
     while script.mission.active:
         script.tick(delay=delay)
