@@ -142,7 +142,10 @@ def _spec(case: Case, world: str, seed: int) -> MissionSpec:
 
 def _told(result: MissionResult) -> str:
     touched = f", {result.contacts} CONTACTS" if result.contacts else ""
-    return f"seed {result.seed}: {result.outcome}, {result.message}{touched}"
+    numbers = f"{result.perceptions} perceptions, {result.duration:.0f} s"
+    clearance = f"clearance {result.min_clearance:.3f} m"
+    told = f"{result.outcome}, {numbers}, {clearance}, {result.message}{touched}"
+    return f"seed {result.seed}: {told}"
 
 
 def _reason(mission: MissionResult) -> str:
