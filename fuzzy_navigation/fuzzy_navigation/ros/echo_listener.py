@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import math
+
 from rclpy.node import Node
 from sensor_msgs.msg import JointState, Range
 
@@ -85,7 +87,10 @@ class EchoListener:
             self._diagnostics.reject(names.SONAR, refused.reason, str(refused))
             return
         now = now_seconds(self._node)
-        self._assembler.add_range(sample.sensor, sample.stamp, sample.range, now)
+        # Drivers that tell a number where REP 117 has -inf mean the same: too close to measure.
+        # Taken for no measurement it would let the robot drive on into what is there.
+        distance = sample.range if sample.range >= sonar.min_range else -math.inf
+        self._assembler.add_range(sample.sensor, sample.stamp, distance, now)
 
     def _on_joint_state(self, message: JointState) -> None:
         try:
