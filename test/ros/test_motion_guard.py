@@ -86,7 +86,10 @@ def test_sonars_guard_the_robot_once_the_guard_is_on(scene: Scene) -> None:
 
     # The same from where the glass is too close to be measured.
     scene.reset()
-    start = scene.robot.x = GLASS - RADIUS - 0.1
+    start = GLASS - RADIUS - 0.1
+    scene.robot.x, scene.robot.y = start, 1.05  # straight ahead lies the goal
+    scene.robot.poses.clear()
+    wait_until(lambda: len(scene.robot.poses) > 3, "the motion to hear where the robot is")
     result = scene.result(scene.send(goal_at(3.5, 1.05))).result
     assert result.outcome != RESULT.REACHED
     assert scene.robot.x < start + 0.05
