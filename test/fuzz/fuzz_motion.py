@@ -32,6 +32,7 @@ from fuzzy_navigation.mission import Mission
 from fuzzy_navigation.mission_types import Phase
 from fuzzy_navigation.pose_time import PoseTime
 from fuzzy_navigation.ros import motion_node, partners
+from fuzzy_navigation.ros.faulty_ranges import usable
 from fuzzy_navigation.ros.motion_node import MotionNode
 
 __all__ = ["SURFACES"]
@@ -162,7 +163,7 @@ class Case:
         self.message(
             "infrared",
             message,
-            lambda m: motion_node._usable(conversions.range_from_msg(m, frames)),
+            lambda m: usable(conversions.range_from_msg(m, frames)),
         )
 
     def ring(self, draw: Draw) -> None:
