@@ -22,7 +22,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy_map_building.evidence.protocols import LocalEvidence
-from fuzzy_map_building.grid import GridGeometry, Window, cells_between, centre_along
+from fuzzy_map_building.grid import (
+    GridGeometry,
+    Window,
+    cells_between,
+    centre_along,
+    put_box,
+    window_of_boxes,
+)
 from fuzzy_map_building.infrared_packet import (
     CENTRE_X,
     CENTRE_Y,
@@ -151,8 +158,6 @@ def _find_boxes(
     tuple of int
         Number of rays in the grid; rows and columns of the window that holds their boxes.
     """
-    inside = 0
-    row0, row1, col0, col1 = height, 0, width, 0
     for i in range(len(rays)):
         _, reach = _reach(rays[i, HIT], rays[i, LIMIT], farthest, margin)
         wide = max(widening * reach, 0.5 * resolution) + _SLACK
@@ -160,27 +165,14 @@ def _find_boxes(
         y = rays[i, CENTRE_Y]
         end_x = x + reach * rays[i, RAY_X]
         end_y = y + reach * rays[i, RAY_Y]
-        top, bottom = cells_between(
+        rows = cells_between(
             min(y, end_y) - wide, max(y, end_y) + wide, origin_y, resolution, height
         )
-        left, right = cells_between(
+        columns = cells_between(
             min(x, end_x) - wide, max(x, end_x) + wide, origin_x, resolution, width
         )
-        if bottom == top or right == left:
-            bottom = top
-        else:
-            inside += 1
-            row0 = min(row0, top)
-            row1 = max(row1, bottom)
-            col0 = min(col0, left)
-            col1 = max(col1, right)
-        boxes[i, 0] = top
-        boxes[i, 1] = bottom
-        boxes[i, 2] = left
-        boxes[i, 3] = right
-    if inside == 0:
-        return 0, 0, 0, 0, 0
-    return inside, row0, row1, col0, col1
+        put_box(boxes, i, rows, columns)
+    return window_of_boxes(boxes)
 
 
 @njit

@@ -18,7 +18,14 @@ from fuzzy_map_building.cone_consistency import consistency, find_vetoes, greate
 from fuzzy_map_building.directivity import Lobe, lobe_at
 from fuzzy_map_building.evidence.protocols import LocalEvidence
 from fuzzy_map_building.fuzzy_sets import dombi_t, dombi_t_inverse
-from fuzzy_map_building.grid import GridGeometry, Window, cells_between, centre_along
+from fuzzy_map_building.grid import (
+    GridGeometry,
+    Window,
+    cells_between,
+    centre_along,
+    put_box,
+    window_of_boxes,
+)
 from fuzzy_map_building.jit import for_kernel, njit
 from fuzzy_map_building.params import (
     ConsistencyParameters,
@@ -183,8 +190,6 @@ def _find_boxes(
     """
     cosine = math.cos(half_angle)
     sine = math.sin(half_angle)
-    inside = 0
-    row0, row1, col0, col1 = height, 0, width, 0
     for i in range(len(cones)):
         # Nothing is said beyond rho_v, beyond the arc, or beyond the empty range.
         far = min(max(cones[i, EMPTY], cones[i, OCCUPIED] + margin), reach)
@@ -200,25 +205,10 @@ def _find_boxes(
         low_y = 1.0 if -uy >= cosine else max(aside_y - cosine * uy, 0.0)
         x = cones[i, APEX_X]
         y = cones[i, APEX_Y]
-        top, bottom = cells_between(
-            y - far * low_y, y + far * high_y, origin_y, resolution, height
-        )
-        left, right = cells_between(x - far * low_x, x + far * high_x, origin_x, resolution, width)
-        if bottom == top or right == left:
-            bottom = top
-        else:
-            inside += 1
-            row0 = min(row0, top)
-            row1 = max(row1, bottom)
-            col0 = min(col0, left)
-            col1 = max(col1, right)
-        boxes[i, 0] = top
-        boxes[i, 1] = bottom
-        boxes[i, 2] = left
-        boxes[i, 3] = right
-    if inside == 0:
-        return 0, 0, 0, 0, 0
-    return inside, row0, row1, col0, col1
+        rows = cells_between(y - far * low_y, y + far * high_y, origin_y, resolution, height)
+        columns = cells_between(x - far * low_x, x + far * high_x, origin_x, resolution, width)
+        put_box(boxes, i, rows, columns)
+    return window_of_boxes(boxes)
 
 
 @njit
