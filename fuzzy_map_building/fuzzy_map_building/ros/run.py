@@ -15,6 +15,7 @@ flag, and everything is taken down in order by the thread that spins.
 from __future__ import annotations
 
 import contextlib
+import gc
 import os
 import signal
 import sys
@@ -122,8 +123,10 @@ def spin_node(factory: Callable[[], Node], args: Sequence[str] | None = None) ->
         try:
             node = _start(factory, argv)
         except (ValueError, OSError) as error:
+            _refuse(argv, error)
+            _let_go(error)
             rclpy.try_shutdown()
-            return _refuse(argv, error)
+            return EXIT_REFUSED
         executor = SingleThreadedExecutor()
         executor.add_node(node)
         tell_ready()
@@ -199,7 +202,16 @@ def _program(argv: list[str]) -> str:
     return argv[0].rsplit("/", 1)[-1] if argv else "node"
 
 
-def _refuse(argv: list[str], error: Exception) -> int:
+def _refuse(argv: list[str], error: Exception) -> None:
     reason = " ".join(str(error).split())
     print(f"{_program(argv)}: cannot start: {reason}", file=sys.stderr, flush=True)
-    return EXIT_REFUSED
+
+
+def _let_go(error: Exception) -> None:
+    """Destroy a half-made node, which lives on in the frames of the traceback.
+
+    Left to the end of the interpreter, its participant is taken down beside the middleware's
+    own statics, and now and then the process does not end.
+    """
+    traceback.clear_frames(error.__traceback__)
+    gc.collect()
