@@ -312,6 +312,7 @@ def test_changed_parameters_hold_once_no_mission_goes_by_the_old(scene: Scene) -
         return scene.probe.call(SetParameters, service, asked).results[0]
 
     assert change("follower.max_linear", 0.2).successful
+    assert change("slim_radius", 0.1).successful
     refused = change("clearance.override", 0.5)
     assert not refused.successful
     assert "clearance.limit" in refused.reason
@@ -321,3 +322,6 @@ def test_changed_parameters_hold_once_no_mission_goes_by_the_old(scene: Scene) -
     scene.robot.commands.clear()
     assert scene.result(scene.send(goal_at(3.0, 2.5))).result.outcome == RESULT.REACHED
     assert max(v for _, v, _ in scene.robot.commands) <= 0.2
+    slim = [(asked.slim_radius, asked.slim_above) for asked in scene.planner.requests]
+    assert slim[0] == (0.0, pytest.approx(0.6))
+    assert slim[-1] == pytest.approx((0.1, 0.6))

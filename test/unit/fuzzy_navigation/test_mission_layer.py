@@ -46,6 +46,13 @@ def test_the_planner_is_told_what_was_hit() -> None:
     assert oriolo.perceive(commands)[-1].hits == ()
 
 
+def test_the_planner_is_told_of_the_slimmer_robot() -> None:
+    for script, radius in ((paper_script(slim_radius=0.1), 0.1), (script_of(), 0.0)):
+        script.tick()
+        (plan,) = (c for c in script.perceive(script.start(*GOAL)) if isinstance(c, Plan))
+        assert (plan.slim_radius, plan.slim_above) == (radius, 0.6)
+
+
 #: Clearance down to which each rung goes: 0.12 - 0.07 (alpha - 0.6) / 0.4.
 @pytest.mark.parametrize(("alpha", "least"), [(0.6, 0.12), (0.8, 0.085), (1.0, 0.05)])
 @pytest.mark.parametrize("x_wall", [2.45, 2.47, 2.52])

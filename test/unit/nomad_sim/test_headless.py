@@ -4,7 +4,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +12,9 @@ import pytest
 
 from fuzzy_map_building.mapper import UpdateReport
 from fuzzy_map_building.types import InfraredReading, Pose2, RangeReading
-from fuzzy_navigation.mission_types import Outcome
+from fuzzy_navigation.mission import Mission
+from fuzzy_navigation.mission_types import Command, Outcome, Plan
+from fuzzy_navigation.planner import Planner, PlanResult
 from nomad_sim.headless import CONTROL_PERIOD, HeadlessMission, random_start, run_mission
 from nomad_sim.simulator import Simulator
 from nomad_sim.world import World
@@ -30,6 +32,31 @@ def test_the_same_seed_gives_the_same_log(room: World) -> None:
         assert getattr(one, name) == getattr(other, name), name
     for name in ("travelled", "motion_risk", "planning_risk"):
         assert (getattr(one, name) == getattr(other, name)).all(), name
+
+
+def test_the_planner_is_asked_for_all_that_the_mission_wants(
+    room: World, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    wanted: list[Plan] = []
+    asked: list[dict[str, object]] = []
+    on_plan, plan = Mission._plan, Planner.plan
+
+    def noting(mission: Mission) -> list[Command]:
+        commands = on_plan(mission)
+        wanted.extend(c for c in commands if isinstance(c, Plan))
+        return commands
+
+    def answering(planner: Planner, start: Pose2, goal: Pose2, **request: object) -> PlanResult:
+        asked.append({"start": start, "goal": goal, **request})
+        return plan(planner, start, goal, **request)
+
+    monkeypatch.setattr(Mission, "_plan", noting)
+    monkeypatch.setattr(Planner, "plan", answering)
+    run_mission(room, seed=4, preset="oriolo1998")
+    assert wanted
+    names = [field.name for field in fields(Plan) if field.name != "request"]
+    assert asked == [{name: getattr(p, name) for name in names} for p in wanted]
+    assert asked[0]["slim_radius"] > 0.0
 
 
 def test_it_is_sent_on_with_the_map_that_it_has(room: World) -> None:
