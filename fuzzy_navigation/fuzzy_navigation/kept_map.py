@@ -12,7 +12,7 @@ from fuzzy_navigation.cost_field import hundredths
 from fuzzy_navigation.params import PlannerParameters
 from fuzzy_navigation.plan_types import RiskLayer
 from fuzzy_navigation.planning_map import LayeredMap, PlanningMap, Rungs
-from fuzzy_navigation.risk import Footprint, augment, checked_risk
+from fuzzy_navigation.risk import Footprint, augment, checked_risk, real_numbers
 from fuzzy_navigation.workspace import Workspace
 
 __all__ = ["KeptMap"]
@@ -100,18 +100,23 @@ class KeptMap:
     def take_window(
         self, planning_risk: ArrayLike, window: Window, parameters: PlannerParameters
     ) -> None:
-        """Take new values for a window; see `Planner.set_map`."""
-        whole = np.asarray(planning_risk)
-        self._check_shape("the planning map", whole)
+        """Take new values for a window; see `Planner.update_map`."""
         height, width = self._geometry.shape
         rows, columns = (window.row0, window.row1, height), (window.col0, window.col1, width)
         if not all(0 <= first <= last <= end for first, last, end in (rows, columns)):
             raise ValueError(f"{window} is no part of a map of {height} rows, {width} columns")
         if not self.known:
-            raise ValueError("the first planning map must be whole, without a window")
+            raise ValueError("the first planning map must be whole, not a window")
+        name = "the window of the planning map"
+        values = real_numbers(planning_risk, name)
+        if values.shape != window.shape:
+            raise ValueError(
+                f"{name} has the shape {values.shape} (rows, columns), "
+                f"but {window} has {window.shape}"
+            )
         if window.empty:
             return
-        values = checked_risk(whole[window.slices], "the window of the planning map")
+        values = checked_risk(values, name)
         codes = _codes(values)
         if self._coded is not None and codes is not None:
             self._coded.update(codes, window)

@@ -118,13 +118,8 @@ class Planner:
         """Memory of the map and of what searches work in [bytes]."""
         return self._map.nbytes
 
-    def set_map(
-        self,
-        planning_risk: ArrayLike,
-        barred: ArrayLike | None = None,
-        window: Window | None = None,
-    ) -> None:
-        """Take a new planning map, or what is new in it.
+    def set_map(self, planning_risk: ArrayLike, barred: ArrayLike | None = None) -> None:
+        """Take a new planning map.
 
         Parameters
         ----------
@@ -132,22 +127,34 @@ class Planner:
             M_p, not augmented.
         barred : array_like of bool, shape (H, W), optional
             Cells that no path may enter, such as the unexplored ones of a finished map.
-        window : Window, optional
-            The only cells that differ from the map before; no others are read, and what is
-            barred stays. What this costs depends on the window, not on the map, as long as
-            risks are hundredths.
 
         Raises
         ------
         ValueError
-            If shape, values or window are wrong; the map before stays.
+            If shape or values are wrong; the map before stays.
         """
-        if window is None:
-            self._map.take(planning_risk, barred, self._parameters)
-        elif barred is None:
-            self._map.take_window(planning_risk, window, self._parameters)
-        else:
-            raise ValueError("barred must not be given with a window: what is barred stays")
+        self._map.take(planning_risk, barred, self._parameters)
+
+    def update_map(self, planning_risk: ArrayLike, window: Window) -> None:
+        """Take what is new in the planning map: the cells of a window.
+
+        What this costs depends on the window, not on the map, as long as risks are
+        hundredths. What is barred stays.
+
+        Parameters
+        ----------
+        planning_risk : array_like, shape (h, w)
+            M_p in the window, not augmented.
+        window : Window
+            The only cells that differ from the map before.
+
+        Raises
+        ------
+        ValueError
+            If there is no map yet, or shape, values or window are wrong; the map before
+            stays.
+        """
+        self._map.take_window(planning_risk, window, self._parameters)
 
     def plan(
         self,

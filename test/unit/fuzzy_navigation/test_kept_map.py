@@ -15,7 +15,6 @@ from fuzzy_navigation.risk import augment
 
 HEIGHT, WIDTH = 30, 44
 GEOMETRY = GridGeometry(WIDTH, HEIGHT, 0.1)
-WHOLE = Window(0, HEIGHT, 0, WIDTH)
 BELOW = 1e-9  # a risk with this added is no hundredth
 
 
@@ -51,10 +50,7 @@ def test_windows_make_the_map_that_the_whole_makes(footprint, radius, off):
         risk[window.slices] = random_map(rng, window.shape)
         if k == len(places) // 2:
             risk[row, column] = min(1.0, risk[row, column] + off)  # from here on as it is
-        # Outside of the window nothing is read.
-        given = np.full(risk.shape, np.nan)
-        given[window.slices] = risk[window.slices]
-        by_windows.set_map(given, window=window)
+        by_windows.update_map(risk[window.slices], window)
         whole.set_map(risk)
         expected = augment(risk, radius, 0.1, footprint)
         np.testing.assert_array_equal(by_windows.augmented_risk, expected)
@@ -111,23 +107,22 @@ def test_what_is_refused_changes_nothing():
     risk = random_map(np.random.default_rng(2))
     planner = Planner(GEOMETRY)
     with pytest.raises(ValueError, match="first planning map must be whole"):
-        planner.set_map(risk, window=Window(0, 2, 0, 2))
+        planner.update_map(risk[:2, :2], Window(0, 2, 0, 2))
     planner.set_map(risk)
     before = planner.augmented_risk
-    wrong = risk.copy()
-    wrong[4, 5] = 1.5
+    wrong = np.zeros((3, 3))
+    wrong[1, 2] = 1.5
     for given, window, words in (
         (wrong, Window(3, 6, 3, 6), r"window of the planning map.*row 1, column 2: 1.5"),
-        (risk[1:], Window(3, 6, 3, 6), r"shape \(29, 44\)"),
-        (risk, Window(3, HEIGHT + 1, 3, 6), "no part of a map of 30 rows, 44 columns"),
-        (risk, Window(-1, 2, 3, 6), "no part of a map"),
-        (risk, Window(4, 2, 3, 6), "no part of a map"),
+        (wrong[1:], Window(3, 6, 3, 6), r"shape \(2, 3\).*\(3, 3\)"),
+        ([[0.1], [0.1, 0.2]], Window(3, 5, 3, 5), "window of the planning map must be an array"),
+        (wrong, Window(HEIGHT - 2, HEIGHT + 1, 3, 6), "no part of a map of 30 rows, 44 columns"),
+        (wrong, Window(-1, 2, 3, 6), "no part of a map"),
+        (wrong, Window(4, 2, 3, 6), "no part of a map"),
     ):
         with pytest.raises(ValueError, match=words):
-            planner.set_map(given, window=window)
-    with pytest.raises(ValueError, match="barred must not be given with a window"):
-        planner.set_map(risk, np.zeros(risk.shape, dtype=bool), WHOLE)
-    planner.set_map(wrong, window=Window(4, 4, 2, 9))  # of no cell
+            planner.update_map(given, window)
+    planner.update_map(np.empty((0, 7)), Window(4, 4, 2, 9))
     np.testing.assert_array_equal(planner.augmented_risk, before)
 
 
@@ -136,7 +131,7 @@ def test_bars_of_the_map_outlive_windows():
     barred[:, 20] = True
     planner = Planner(GEOMETRY, PlannerParameters(robot_radius=0.0))
     planner.set_map(np.zeros(barred.shape), barred)
-    planner.set_map(np.full(barred.shape, 0.01), window=Window(3, 9, 3, 9))
+    planner.update_map(np.full((6, 6), 0.01), Window(3, 9, 3, 9))
     assert planner.plan((0.5, 0.5), (4.0, 0.5)).status is PlanStatus.NO_PATH
 
 
