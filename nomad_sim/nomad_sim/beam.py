@@ -7,7 +7,8 @@ crossing, the border of a circle) the nearest surface is one and the same: a ray
 the middle of the piece finds it for all of the piece.
 
 A beam starts at a source, the sonar's face or its mirror image in a segment, and sees only
-what lies behind that mirror.
+what lies behind that mirror. Most segments, ends and edges lie beside it: they are left out
+by a few products before anything is computed of them.
 """
 
 from __future__ import annotations
@@ -18,16 +19,31 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy_map_building.jit import njit
-from nomad_sim.ray_casting import TOUCHING, nearest
+from nomad_sim.ray_casting import NO_SURFACE, TOUCHING, hits, nearest
 
-__all__ = ["NARROW", "cut", "first_surface", "foot", "push_image", "sees", "stack_of", "wrapped"]
+__all__ = [
+    "NARROW",
+    "beside",
+    "cut",
+    "first_surface",
+    "foot",
+    "push_image",
+    "sees",
+    "stack_of",
+    "within",
+    "wrapped",
+]
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 # Pieces of a beam narrower than this [rad] are lines between two others.
 NARROW = 1e-9
 # What ends at a point [m] does not hide the point.
 _TOUCH = 1e-7
+# What lies this far beside a beam [m] is not left out: more than a ray starts behind its
+# source, and more than rounding.
+_SLACK = 1e-5
 # Columns of a beam: its source, its axis, first and last angle from it, mirror, depth, and
 # the way to the nearest point of its mirror.
 _COLUMNS = 8
@@ -63,6 +79,67 @@ def _behind(x: float, y: float, angle: float, mirror: int, segments: FloatArray)
 
 
 @njit
+def beside(along: float, across: float, widest: float) -> bool:
+    """Whether a point lies beside a beam, for certain, so that its angle need not be known.
+
+    Parameters
+    ----------
+    along, across : float
+        Where the point lies from the source, along the axis and to its left [m].
+    widest : float
+        Tangent of the larger of the angles between the axis and the borders.
+    """
+    return along <= 0.0 or abs(across) > widest * along + _SLACK
+
+
+@njit
+def within(
+    x: float,
+    y: float,
+    axis: float,
+    low: float,
+    high: float,
+    segments: FloatArray,
+    numbers: IntArray,
+) -> int:
+    """Find the segments that rays of a beam narrower than a half plane can meet.
+
+    Parameters
+    ----------
+    x, y : float
+        Source of the beam [m].
+    axis, low, high : float
+        Direction of the beam, and its borders from there [rad].
+    segments : ndarray of float64, shape (N, 4)
+        As for `ray_casting.nearest`.
+    numbers : ndarray of int64, shape (N,)
+        Receives their numbers, in order; there may be some that no ray meets.
+
+    Returns
+    -------
+    int
+        How many there are.
+    """
+    ux, uy = math.cos(axis), math.sin(axis)
+    right_x, right_y = math.cos(axis + low), math.sin(axis + low)
+    left_x, left_y = math.cos(axis + high), math.sin(axis + high)
+    count = 0
+    for i in range(segments.shape[0]):
+        ax, ay = segments[i, 0] - x, segments[i, 1] - y
+        bx, by = segments[i, 2] - x, segments[i, 3] - y
+        # Both ends behind the source, or both beyond the same border.
+        if ux * ax + uy * ay < -_SLACK and ux * bx + uy * by < -_SLACK:
+            continue
+        if right_x * ay - right_y * ax < -_SLACK and right_x * by - right_y * bx < -_SLACK:
+            continue
+        if left_x * ay - left_y * ax > _SLACK and left_x * by - left_y * bx > _SLACK:
+            continue
+        numbers[count] = i
+        count += 1
+    return count
+
+
+@njit
 def first_surface(
     x: float,
     y: float,
@@ -71,12 +148,40 @@ def first_surface(
     body: FloatArray,
     segments: FloatArray,
     circles: FloatArray,
+    numbers: IntArray,
+    count: int,
 ) -> tuple[float, int]:
-    """Return way and number of the first surface in a beam; the robot's own body is -2."""
+    """Return way and number of the first surface on a ray; the robot's own body is -2.
+
+    Parameters
+    ----------
+    x, y, angle : float
+        Start [m] and direction [rad] of the ray.
+    mirror : int
+        The segment that the beam comes from, -1 without.
+    body, segments, circles : ndarray
+        As for `echo.echo_range`.
+    numbers, count : ndarray of int64 and int
+        The segments `within` the beam, and how many.
+    """
     ux = math.cos(angle)
     uy = math.sin(angle)
     start = _behind(x, y, angle, mirror, segments)
-    t, surface = nearest(x, y, ux, uy, start, mirror, segments, circles)
+    t = math.inf
+    surface = NO_SURFACE
+    for k in range(count):
+        i = numbers[k]
+        if i == mirror:
+            continue
+        way = hits(x, y, ux, uy, start, t, segments[i])
+        if way < t:
+            t = way
+            surface = i
+    if circles.shape[0] > 0:
+        way, circle = nearest(x, y, ux, uy, start, NO_SURFACE, segments[:0], circles)
+        if way < t:
+            t = way
+            surface = segments.shape[0] + circle
     if mirror >= 0 and body[2] > 0.0:
         qx = body[0] - x
         qy = body[1] - y
@@ -98,13 +203,15 @@ def sees(
     body: FloatArray,
     segments: FloatArray,
     circles: FloatArray,
+    numbers: IntArray,
+    count: int,
 ) -> bool:
-    """Whether nothing but the mirror stands between the source of a beam and a point."""
+    """Whether nothing but the mirror stands between the source of a beam and a point in it."""
     angle = math.atan2(py - y, px - x)
     distance = math.hypot(px - x, py - y)
     if mirror >= 0 and distance <= _behind(x, y, angle, mirror, segments) + _TOUCH:
         return False
-    t, _ = first_surface(x, y, angle, mirror, body, segments, circles)
+    t, _ = first_surface(x, y, angle, mirror, body, segments, circles, numbers, count)
     return t >= distance - _TOUCH
 
 
@@ -126,13 +233,15 @@ def cut(
     count = 2
     ux = math.cos(axis)
     uy = math.sin(axis)
+    widest = math.tan(max(-low, high))
     for k in range(marks.shape[0]):
         dx = marks[k, 0] - x
         dy = marks[k, 1] - y
         along = dx * ux + dy * uy
-        if along <= 0.0:
+        across = ux * dy - uy * dx
+        if beside(along, across, widest):
             continue
-        angle = math.atan2(ux * dy - uy * dx, along)
+        angle = math.atan2(across, along)
         if low < angle < high:
             cuts[count] = angle
             count += 1

@@ -20,7 +20,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy_map_building.jit import njit
-from nomad_sim.beam import NARROW, cut, first_surface, foot, push_image, sees, stack_of, wrapped
+from nomad_sim.beam import (
+    NARROW,
+    beside,
+    cut,
+    first_surface,
+    foot,
+    push_image,
+    sees,
+    stack_of,
+    within,
+    wrapped,
+)
 
 __all__ = ["crosstalk_range", "echo_range"]
 
@@ -72,6 +83,7 @@ def echo_range(
     n = segments.shape[0]
     room = marks.shape[0] + 2 * circles.shape[0] + 4
     cuts = np.empty(room)
+    near = np.empty(segments.shape[0], dtype=np.int64)
     beams = stack_of(x, y, axis, half_angle, reflections, room)
     count = 1
     best = max_range
@@ -87,18 +99,22 @@ def echo_range(
         high = beams[count, 4]
         mirror = int(beams[count, 5])
         depth = int(beams[count, 6])
+        number = within(sx, sy, axis, low, high, segments, near)
         if edge_echo:
             ux = math.cos(axis)
             uy = math.sin(axis)
+            widest = math.tan(max(-low, high))
             for k in range(edges.shape[0]):
                 dx = edges[k, 0] - sx
                 dy = edges[k, 1] - sy
                 along = dx * ux + dy * uy
-                if along <= 0.0 or dx * dx + dy * dy >= best * best:
+                across = ux * dy - uy * dx
+                if beside(along, across, widest) or dx * dx + dy * dy >= best * best:
                     continue
-                if not low <= math.atan2(ux * dy - uy * dx, along) <= high:
+                if not low <= math.atan2(across, along) <= high:
                     continue
-                if sees(sx, sy, edges[k, 0], edges[k, 1], mirror, body, segments, circles):
+                ex, ey = edges[k, 0], edges[k, 1]
+                if sees(sx, sy, ex, ey, mirror, body, segments, circles, near, number):
                     best = math.hypot(dx, dy)
                     found = True
         pieces = cut(sx, sy, axis, low, high, body, circles, marks, cuts)
@@ -108,7 +124,10 @@ def echo_range(
             if last - first < NARROW:
                 continue
             middle = 0.5 * (first + last)
-            t, surface = first_surface(sx, sy, axis + middle, mirror, body, segments, circles)
+            angle = axis + middle
+            t, surface = first_surface(
+                sx, sy, angle, mirror, body, segments, circles, near, number
+            )
             if surface < 0:
                 continue
             if t <= 0.0:
@@ -208,6 +227,7 @@ def crosstalk_range(
     """
     room = marks.shape[0] + 2 * circles.shape[0] + 4
     cuts = np.empty(room)
+    near = np.empty(segments.shape[0], dtype=np.int64)
     beams = stack_of(x, y, axis, half_angle, reflections, room)
     count = 1
     best = 2.0 * max_range
@@ -223,6 +243,7 @@ def crosstalk_range(
         high = beams[count, 4]
         mirror = int(beams[count, 5])
         depth = int(beams[count, 6])
+        number = within(sx, sy, axis, low, high, segments, near)
         if depth > 0:
             angle = math.atan2(hy - sy, hx - sx)
             way = math.hypot(hx - sx, hy - sy)
@@ -231,7 +252,7 @@ def crosstalk_range(
                 way < best
                 and arrives
                 and low <= wrapped(angle - axis) <= high
-                and sees(sx, sy, hx, hy, mirror, body, segments, circles)
+                and sees(sx, sy, hx, hy, mirror, body, segments, circles, near, number)
             ):
                 best = way
                 found = True
@@ -242,7 +263,10 @@ def crosstalk_range(
             if cuts[p + 1] - cuts[p] < NARROW:
                 continue
             middle = 0.5 * (cuts[p] + cuts[p + 1])
-            t, surface = first_surface(sx, sy, axis + middle, mirror, body, segments, circles)
+            angle = axis + middle
+            t, surface = first_surface(
+                sx, sy, angle, mirror, body, segments, circles, near, number
+            )
             if 0 <= surface < segments.shape[0] and t < best:
                 count = push_image(
                     beams, count, sx, sy, axis, cuts[p], cuts[p + 1], surface, depth + 1, segments

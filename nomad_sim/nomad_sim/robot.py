@@ -1,24 +1,51 @@
 # Copyright 2026 The fuzzy navigation maintainers
 # SPDX-License-Identifier: Apache-2.0
-"""How the robot moves: a unicycle with limited drives, and the turret on it."""
+"""How the robot moves: a unicycle with limited drives, which obstacles stop, and its turret."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
-from fuzzy_map_building.types import Pose2, wrap_angle
-from nomad_sim.params import RobotParameters
+import numpy as np
+from numpy.typing import NDArray
 
-__all__ = ["Velocity", "arc", "next_velocity", "turned"]
+from fuzzy_map_building.jit import njit
+from fuzzy_map_building.types import Pose2
+from nomad_sim.beam import wrapped
+from nomad_sim.ray_casting import nearest_distance
+
+__all__ = ["ROUNDING", "Velocity", "arc", "drive", "next_velocity", "turned"]
+
+FloatArray = NDArray[np.float64]
+
+#: Overlap with an obstacle that is none: driving along a wall in touch with it must not jam [m].
+ROUNDING = 1e-9
+# Clearance at which the body rests on what it touches [m].
+_RESTING = 1e-7
+# Halvings of the way after which the place of a touch is known.
+_HALVINGS = 20
 
 
-@dataclass(frozen=True)
-class Velocity:
+class Velocity(NamedTuple):
     """Speed [m/s] and turning rate [rad/s]."""
 
     linear: float = 0.0
     angular: float = 0.0
+
+
+@njit
+def _arc(
+    x: float, y: float, theta: float, linear: float, angular: float, dt: float
+) -> tuple[float, float, float]:
+    """Return the pose after an arc, as `arc` does, in numbers."""
+    half = 0.5 * angular * dt
+    # The chord of the arc: sin(half)/half of its length, along its mean direction.
+    chord = linear * dt * (math.sin(half) / half if half != 0.0 else 1.0)
+    turned_to = theta + angular * dt
+    if not -math.pi <= turned_to < math.pi:  # wrapping rounds: standing still must not turn
+        turned_to = wrapped(turned_to)
+    return x + chord * math.cos(theta + half), y + chord * math.sin(theta + half), turned_to
 
 
 def arc(pose: Pose2, linear: float, angular: float, dt: float) -> Pose2:
@@ -39,19 +66,10 @@ def arc(pose: Pose2, linear: float, angular: float, dt: float) -> Pose2:
     >>> round(end.x, 9), round(end.y, 9), round(end.theta, 9) == round(math.pi / 2, 9)
     (1.0, 1.0, True)
     """
-    half = 0.5 * angular * dt
-    # The chord of the arc: sin(half)/half of its length, along its mean direction.
-    chord = linear * dt * (math.sin(half) / half if half != 0.0 else 1.0)
-    theta = pose.theta + angular * dt
-    if not -math.pi <= theta < math.pi:  # wrapping rounds: standing still must not turn
-        theta = wrap_angle(theta)
-    return Pose2(
-        pose.x + chord * math.cos(pose.theta + half),
-        pose.y + chord * math.sin(pose.theta + half),
-        theta,
-    )
+    return Pose2(*_arc(pose.x, pose.y, pose.theta, linear, angular, dt))
 
 
+@njit
 def _towards(value: float, target: float, gain: float, loss: float) -> float:
     """Return `value` brought towards `target`: growing by `gain` at most, shrinking by `loss`."""
     if value * target < 0.0:
@@ -60,25 +78,98 @@ def _towards(value: float, target: float, gain: float, loss: float) -> float:
     return value + min(limit, max(-limit, target - value))
 
 
+@njit
 def next_velocity(
-    velocity: Velocity, target: Velocity, limits: RobotParameters, dt: float
-) -> Velocity:
-    """Return the velocity after `dt` [s] of bringing it to the commanded one.
+    linear: float,
+    angular: float,
+    target_linear: float,
+    target_angular: float,
+    max_linear: float,
+    max_angular: float,
+    linear_acceleration: float,
+    linear_deceleration: float,
+    angular_acceleration: float,
+    dt: float,
+) -> tuple[float, float]:
+    """Return speed and turning rate after `dt` [s] of bringing them to the commanded ones.
 
     Commands beyond the limits of the drives are cut to them.
+
+    Parameters
+    ----------
+    linear, angular, target_linear, target_angular : float
+        Present and commanded speed [m/s] and turning rate [rad/s].
+    max_linear, max_angular, linear_acceleration, linear_deceleration, angular_acceleration : float
+        Limits, see `RobotParameters`.
+    dt : float
+        Time [s].
     """
-    linear = min(limits.max_linear, max(-limits.max_linear, target.linear))
-    angular = min(limits.max_angular, max(-limits.max_angular, target.angular))
-    turn = limits.angular_acceleration * dt
-    return Velocity(
-        _towards(
-            velocity.linear,
-            linear,
-            limits.linear_acceleration * dt,
-            limits.linear_deceleration * dt,
-        ),
-        _towards(velocity.angular, angular, turn, turn),
+    target_linear = min(max_linear, max(-max_linear, target_linear))
+    target_angular = min(max_angular, max(-max_angular, target_angular))
+    turn = angular_acceleration * dt
+    return (
+        _towards(linear, target_linear, linear_acceleration * dt, linear_deceleration * dt),
+        _towards(angular, target_angular, turn, turn),
     )
+
+
+@njit
+def drive(
+    x: float,
+    y: float,
+    theta: float,
+    linear: float,
+    angular: float,
+    dt: float,
+    radius: float,
+    segments: FloatArray,
+    circles: FloatArray,
+    solids: NDArray[np.int64],
+) -> tuple[float, float, float, float, float]:
+    """Drive an arc until it is over or the body touches something.
+
+    Parameters
+    ----------
+    x, y, theta : float
+        Where the robot is [m, m, rad].
+    linear, angular : float
+        Speed [m/s] and turning rate [rad/s].
+    dt : float
+        Time [s].
+    radius : float
+        Radius of the body [m].
+    segments, circles, solids : ndarray
+        Surfaces, as for `ray_casting.nearest_distance`.
+
+    Returns
+    -------
+    x, y, theta : float
+        Where it gets [m, m, rad].
+    share : float
+        Which part of the arc it drives, 1 without a touch.
+    clearance : float
+        Distance from the body there to the nearest surface [m], negative inside.
+    """
+    end = _arc(x, y, theta, linear, angular, dt)
+    clearance = nearest_distance(end[0], end[1], segments, circles, solids) - radius
+    if linear == 0.0 or clearance >= -ROUNDING:
+        return end[0], end[1], end[2], 1.0, clearance
+    now = nearest_distance(x, y, segments, circles, solids) - radius
+    # Whoever is inside an obstacle, since it came over him, may still get out.
+    least = min(-ROUNDING, now)
+    if clearance >= least:
+        return end[0], end[1], end[2], 1.0, clearance
+    low, high = 0.0, 1.0
+    for _ in range(_HALVINGS if now > _RESTING else 0):
+        middle = 0.5 * (low + high)
+        there = _arc(x, y, theta, linear, angular, middle * dt)
+        if nearest_distance(there[0], there[1], segments, circles, solids) - radius >= least:
+            low = middle
+        else:
+            high = middle
+    end = _arc(x, y, theta, linear, angular, low * dt)
+    clearance = nearest_distance(end[0], end[1], segments, circles, solids) - radius
+    return end[0], end[1], end[2], low, clearance
 
 
 def turned(angle: float, target: float, limit: float) -> float:

@@ -15,7 +15,7 @@ from nomad_sim.ground_truth import occupancy
 from nomad_sim.infrared import InfraredRing
 from nomad_sim.odometry import Odometry
 from nomad_sim.params import SimulatorParameters, simulator_parameters
-from nomad_sim.robot import Velocity, arc, next_velocity, turned
+from nomad_sim.robot import ROUNDING, Velocity, arc, drive, next_velocity, turned
 from nomad_sim.sonar import SonarEvent, SonarRing
 from nomad_sim.surfaces import Surfaces
 from nomad_sim.world import World
@@ -29,10 +29,6 @@ _NANO = 1_000_000_000
 _PARTS = 5
 # Clearance at which a touch is over [m].
 _RELEASE = 1e-3
-# Clearance at which the body rests on what it touches [m].
-_RESTING = 1e-7
-# Overlap that is none: driving along a wall in touch with it must not jam [m].
-_ROUNDING = 1e-9
 # Of the least clearance: nanometres.
 _DECIMALS = 9
 # Longest step [s].
@@ -85,7 +81,8 @@ class Simulator:
             )
         self.reset()
         # Loops compile at their first call, which takes seconds: no step has to wait for it.
-        self._sonars.exact(np.array([0]), self._start, 0.0, self._surfaces(0))
+        self.step(0.0, 0.0, _LONGEST)
+        self.reset()
 
     def reset(self) -> None:
         """Begin again: the same start, time 0, the same random numbers."""
@@ -106,7 +103,7 @@ class Simulator:
         self._contact = False
         self._contacts = 0
         self._events: list[SonarEvent] = []
-        self._clearance = self._clearance_at(self._pose, self._surfaces(0))
+        self._clearance = self._surfaces(0).distance(self._pose.x, self._pose.y) - p.robot.radius
         self._least_clearance = self._clearance
         self._infrared = self._infrareds.read(self._pose, self._surfaces(0))
 
@@ -236,64 +233,57 @@ class Simulator:
     def _surfaces(self, nanoseconds: int) -> Surfaces:
         return self.world.surfaces(nanoseconds / _NANO, self._perceptions)
 
-    def _clearance_at(self, pose: Pose2, surfaces: Surfaces) -> float:
-        return surfaces.distance(pose.x, pose.y) - self.parameters.robot.radius
-
     def _advance(self, command: Velocity, begin: int, end: int) -> None:
         """Move for a part of a step and fire the sonars that are due in it."""
         p = self.parameters
         dt = (end - begin) / _NANO
-        before, turret = self._pose, self._turret_angle
-        velocity = next_velocity(self._velocity, command, p.robot, dt)
-        surfaces = self._surfaces(end)
-        share = self._free_share(before, velocity, dt, surfaces)
-        self._velocity = velocity if share == 1.0 else Velocity()
+        before, turret, robot = self._pose, self._turret_angle, p.robot
+        linear, angular = next_velocity(
+            *self._velocity,
+            *command,
+            robot.max_linear,
+            robot.max_angular,
+            robot.linear_acceleration,
+            robot.linear_deceleration,
+            robot.angular_acceleration,
+            dt,
+        )
+        there = self._surfaces(end)
+        x, y, theta, share, self._clearance = drive(
+            before.x,
+            before.y,
+            before.theta,
+            linear,
+            angular,
+            dt,
+            robot.radius,
+            there.segments,
+            there.circles,
+            there.solids,
+        )
+        self._velocity = Velocity(linear, angular) if share == 1.0 else Velocity()
+        self._pose = Pose2(x, y, theta)
         moving = share * dt
-        self._pose = arc(before, velocity.linear, velocity.angular, moving)
-        self._odometry.add(velocity.linear * moving, velocity.angular * moving)
+        self._odometry.add(linear * moving, angular * moving)
         self._turret_angle = turned(turret, self._turret_target, p.turret.max_rate * dt)
         self._nanoseconds = end
-        self._feel(surfaces, blocked=share < 1.0)
+        self._feel(blocked=share < 1.0)
         while (self._fired + 1) * self._firing_interval <= end:
             due = (self._fired + 1) * self._firing_interval
             elapsed = (due - begin) / _NANO
             self._events += self._sonars.fire(
                 self._fired,
                 due / _NANO,
-                arc(before, velocity.linear, velocity.angular, min(elapsed, moving)),
+                arc(before, linear, angular, min(elapsed, moving)),
                 turned(turret, self._turret_target, p.turret.max_rate * elapsed),
                 self._surfaces(due),
             )
             self._fired += 1
 
-    def _free_share(self, pose: Pose2, velocity: Velocity, dt: float, surfaces: Surfaces) -> float:
-        """Return the share of a movement that the body can make before it touches."""
-        if velocity.linear == 0.0:
-            return 1.0
-        now = self._clearance_at(pose, surfaces)
-
-        def clearance(share: float) -> float:
-            there = arc(pose, velocity.linear, velocity.angular, share * dt)
-            return self._clearance_at(there, surfaces)
-
-        # Whoever is inside an obstacle, since it came over him, may still get out.
-        least = min(-_ROUNDING, now)
-        if clearance(1.0) >= least:
-            return 1.0
-        low, high = 0.0, 1.0
-        for _ in range(20 if now > _RESTING else 0):
-            middle = 0.5 * (low + high)
-            if clearance(middle) >= least:
-                low = middle
-            else:
-                high = middle
-        return low
-
-    def _feel(self, surfaces: Surfaces, *, blocked: bool) -> None:
-        """Update clearance and contact."""
-        self._clearance = self._clearance_at(self._pose, surfaces)
+    def _feel(self, *, blocked: bool) -> None:
+        """Update the least clearance and contact."""
         self._least_clearance = min(self._least_clearance, self._clearance)
-        if blocked or self._clearance < -_ROUNDING:
+        if blocked or self._clearance < -ROUNDING:
             if not self._contact:
                 self._contacts += 1
             self._contact = True

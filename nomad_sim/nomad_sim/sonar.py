@@ -21,6 +21,10 @@ __all__ = ["SonarEvent", "SonarRing"]
 
 FloatArray = NDArray[np.float64]
 
+# What stands for draws of noise that is switched off.
+_NO_NOISE = np.empty(0)
+_NO_OUTLIERS = np.empty((2, 0))
+
 
 class SonarEvent(NamedTuple):
     """One reading as it was taken.
@@ -45,13 +49,17 @@ class SonarEvent(NamedTuple):
 
 @njit
 def _ranges(
-    faces: FloatArray,
+    bearings: FloatArray,
+    x: float,
+    y: float,
+    heading: float,
+    mount_radius: float,
+    body_radius: float,
     half_angle: float,
     max_range: float,
     edge_echo: bool,
     reflections: int,
     crosstalk: int,
-    body: FloatArray,
     segments: FloatArray,
     circles: FloatArray,
     critical_angles: FloatArray,
@@ -59,9 +67,33 @@ def _ranges(
     edges: FloatArray,
     marks: FloatArray,
 ) -> FloatArray:
-    """Return the exact ranges [m] of sonars fired together; faces: x, y, axis, shape (G, 3)."""
-    ranges = np.empty(faces.shape[0])
-    for i in range(faces.shape[0]):
+    """Return the exact ranges [m] of sonars fired together, shape (G,).
+
+    Parameters
+    ----------
+    bearings : ndarray of float64, shape (G,)
+        Directions of the sonars on the turret [rad].
+    x, y, heading : float
+        Centre of the robot [m] and direction of the turret [rad].
+    mount_radius, body_radius : float
+        Distance of the faces from the centre, and radius of the robot [m].
+    half_angle, max_range, edge_echo, reflections, crosstalk
+        As the parameters say.
+    segments, circles, critical_angles, solids, edges, marks : ndarray
+        As for `echo_range` and `inside`.
+    """
+    body = np.empty(3)
+    body[0] = x
+    body[1] = y
+    body[2] = body_radius
+    faces = np.empty((len(bearings), 3))
+    for i in range(len(bearings)):
+        axis = bearings[i] + heading
+        faces[i, 0] = x + mount_radius * math.cos(axis)
+        faces[i, 1] = y + mount_radius * math.sin(axis)
+        faces[i, 2] = axis
+    ranges = np.empty(len(bearings))
+    for i in range(len(bearings)):
         x, y, axis = faces[i]
         covered = inside(x, y, segments, solids)
         for c in range(circles.shape[0]):
@@ -105,6 +137,48 @@ def _ranges(
     return ranges
 
 
+@njit
+def _measured(
+    ranges: FloatArray,
+    noise: FloatArray,
+    outliers: FloatArray,
+    range_noise: float,
+    short_outliers: float,
+    lost_outliers: float,
+    min_range: float,
+    max_range: float,
+) -> None:
+    """Add noise, outliers and limits to exact ranges [m], shape (G,), in place.
+
+    Parameters
+    ----------
+    ranges : ndarray of float64, shape (G,)
+        The ranges [m].
+    noise : ndarray of float64, shape (G,) or (0,)
+        Normal draws; none: no noise.
+    outliers : ndarray of float64, shape (2, G) or (2, 0)
+        Draws from [0, 1[ of what befalls a reading, and of where a short one lies; none: nothing.
+    range_noise, short_outliers, lost_outliers, min_range, max_range : float
+        As the parameters say.
+    """
+    for i in range(len(ranges)):
+        value = ranges[i]
+        if len(noise) > 0:
+            value = value * (1.0 + range_noise * noise[i])
+        if outliers.shape[1] > 0:
+            draw, share = outliers[0, i], outliers[1, i]
+            reach = min(value, max_range)
+            if draw < short_outliers and reach > min_range:
+                value = min_range + share * (reach - min_range)
+            if draw >= 1.0 - lost_outliers:
+                value = math.inf
+        if value > max_range:
+            value = math.inf
+        elif value < min_range:
+            value = -math.inf
+        ranges[i] = value
+
+
 class SonarRing:
     """Sonars on the turret, fired slot after slot.
 
@@ -134,6 +208,7 @@ class SonarRing:
         cycle = max(parameters.firing_slots) + 1
         slots = np.asarray(parameters.firing_slots)
         self._groups = [np.flatnonzero(slots == slot) for slot in range(cycle)]
+        self._numbers: list[list[int]] = [group.tolist() for group in self._groups]
 
     def fire(
         self, count: int, stamp: float, pose: Pose2, turret_angle: float, surfaces: Surfaces
@@ -158,14 +233,15 @@ class SonarRing:
         list of SonarEvent
             In the order of the sonars.
         """
-        group = self._groups[count % len(self._groups)]
-        if not len(group):
+        slot = count % len(self._groups)
+        numbers = self._numbers[slot]
+        if not numbers:
             return []
-        exact = self.exact(group, pose, turret_angle, surfaces)
-        ranges = self._measured(exact)
+        ranges = self.exact(self._groups[slot], pose, turret_angle, surfaces)
+        self._measure(ranges)
         return [
-            SonarEvent(stamp, int(sensor), float(measured), turret_angle)
-            for sensor, measured in zip(group, ranges, strict=True)
+            SonarEvent(stamp, sensor, measured, turret_angle)
+            for sensor, measured in zip(numbers, ranges.tolist(), strict=True)
         ]
 
     def exact(
@@ -181,18 +257,18 @@ class SonarRing:
             As for `fire`.
         """
         p = self._parameters
-        faces = np.empty((len(group), 3))
-        faces[:, 2] = self._bearings[group] + (pose.theta + turret_angle)
-        faces[:, 0] = pose.x + p.mount_radius * np.cos(faces[:, 2])
-        faces[:, 1] = pose.y + p.mount_radius * np.sin(faces[:, 2])
         return _ranges(
-            faces,
+            self._bearings[group],
+            pose.x,
+            pose.y,
+            pose.theta + turret_angle,
+            p.mount_radius,
+            self._body_radius,
             p.beam_half_angle,
             p.max_range,
             p.edge_echo,
             p.reflections,
             p.crosstalk_reflections,
-            np.array([pose.x, pose.y, self._body_radius]),
             surfaces.segments,
             surfaces.circles,
             surfaces.critical_angles,
@@ -201,21 +277,21 @@ class SonarRing:
             surfaces.marks,
         )
 
-    def _measured(self, exact: FloatArray) -> FloatArray:
-        """Add noise, outliers and limits.
+    def _measure(self, ranges: FloatArray) -> None:
+        """Add noise, outliers and limits to exact ranges, shape (G,) [m], in place.
 
         Each reading takes the same number of draws whatever it sees, so that two worlds
         that differ in one surface share the noise of all other readings.
         """
-        p = self._parameters
-        ranges = exact
-        if self._noise is not None:
-            ranges = ranges * (1.0 + p.range_noise * self._noise.standard_normal(len(exact)))
-        if self._outliers is not None:
-            draw, share = self._outliers.random((2, len(exact)))
-            reach = np.minimum(ranges, p.max_range)
-            short = p.min_range + share * (reach - p.min_range)
-            ranges = np.where((draw < p.short_outliers) & (reach > p.min_range), short, ranges)
-            ranges = np.where(draw >= 1.0 - p.lost_outliers, math.inf, ranges)
-        ranges = np.where(ranges > p.max_range, math.inf, ranges)
-        return np.where(ranges < p.min_range, -math.inf, ranges)
+        p, number = self._parameters, len(ranges)
+        noise, outliers = self._noise, self._outliers
+        _measured(
+            ranges,
+            noise.standard_normal(number) if noise is not None else _NO_NOISE,
+            outliers.random((2, number)) if outliers is not None else _NO_OUTLIERS,
+            p.range_noise,
+            p.short_outliers,
+            p.lost_outliers,
+            p.min_range,
+            p.max_range,
+        )

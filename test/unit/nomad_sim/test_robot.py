@@ -13,6 +13,14 @@ from nomad_sim.robot import Velocity, arc, next_velocity, turned
 LIMITS = RobotParameters()
 
 
+def after(velocity: Velocity, target: Velocity, dt: float = 0.01) -> Velocity:
+    """Return the velocity after a time of bringing it to another."""
+    p = LIMITS
+    accelerations = p.linear_acceleration, p.linear_deceleration, p.angular_acceleration
+    values = next_velocity(*velocity, *target, p.max_linear, p.max_angular, *accelerations, dt)
+    return Velocity(*values)
+
+
 @pytest.mark.parametrize("angular", [-1.0, -1e-7, 0.0, 1e-9, 0.3, 1.0])
 @pytest.mark.parametrize("linear", [-0.4, 0.0, 0.6])
 def test_arc_is_the_limit_of_small_straight_steps(linear, angular):
@@ -45,7 +53,7 @@ def test_two_halves_make_the_whole():
 def test_speeds_grow_and_fall_within_the_limits():
     velocity, speeds = Velocity(), []
     for _ in range(100):
-        velocity = next_velocity(velocity, Velocity(5.0, -9.0), LIMITS, 0.01)
+        velocity = after(velocity, Velocity(5.0, -9.0))
         speeds.append(velocity.linear)
     gains = [b - a for a, b in zip([0.0, *speeds], speeds, strict=False)]
     assert max(gains) <= LIMITS.linear_acceleration * 0.01 + 1e-12
@@ -55,16 +63,16 @@ def test_speeds_grow_and_fall_within_the_limits():
 def test_it_stands_within_the_time_that_braking_takes():
     velocity, steps = Velocity(0.6, 1.0), 0
     while velocity != Velocity():
-        velocity = next_velocity(velocity, Velocity(), LIMITS, 0.01)
+        velocity = after(velocity, Velocity())
         steps += 1
     # 0.6 m/s at 6 m/s^2, 1 rad/s at 10 rad/s^2: both take 0.1 s.
     assert steps in (10, 11)
 
 
 def test_turning_round_brakes_first_and_then_speeds_up():
-    velocity = next_velocity(Velocity(0.05, 0.0), Velocity(-0.6, 0.0), LIMITS, 0.01)
+    velocity = after(Velocity(0.05, 0.0), Velocity(-0.6, 0.0))
     assert velocity.linear == 0.0
-    velocity = next_velocity(velocity, Velocity(-0.6, 0.0), LIMITS, 0.01)
+    velocity = after(velocity, Velocity(-0.6, 0.0))
     assert velocity.linear == pytest.approx(-LIMITS.linear_acceleration * 0.01)
 
 
