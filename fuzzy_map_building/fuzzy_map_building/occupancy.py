@@ -4,15 +4,56 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["INDETERMINATE_CUT", "belief_to_int8", "risk_to_int8"]
+__all__ = ["INDETERMINATE_CUT", "Hundredths", "belief_to_int8", "risk_to_int8"]
 
 FloatArray = NDArray[np.float64]
 
 #: A cell whose membership in the set of indeterminate cells exceeds this is unknown.
 INDETERMINATE_CUT = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Hundredths:
+    """Risks of some cells in whole hundredths, a byte each: what the grid of a risk map holds.
+
+    Parameters
+    ----------
+    codes : ndarray of int8, shape (rows, columns)
+        0 to 100.
+
+    Raises
+    ------
+    ValueError
+        If it is no such array.
+
+    Examples
+    --------
+    >>> Hundredths(np.array([[0, 60]], dtype=np.int8)).risks.tolist()
+    [[0.0, 0.6]]
+    """
+
+    codes: NDArray[np.int8]
+
+    def __post_init__(self) -> None:
+        codes = self.codes
+        if not isinstance(codes, np.ndarray) or codes.dtype != np.int8 or codes.ndim != 2:
+            raise ValueError("risks in hundredths are an array of int8 with rows and columns")
+        if codes.size == 0:
+            raise ValueError(f"risks in hundredths take at least one cell, got {codes.shape}")
+        if codes.min() < 0 or codes.max() > 100:
+            raise ValueError(
+                f"risks in hundredths lie in 0..100, got {codes.min()} to {codes.max()}"
+            )
+
+    @property
+    def risks(self) -> FloatArray:
+        """The risks in [0, 1], shape (rows, columns)."""
+        return self.codes / 100.0
 
 
 def risk_to_int8(risk: FloatArray) -> NDArray[np.int8]:

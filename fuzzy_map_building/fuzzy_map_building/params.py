@@ -50,6 +50,7 @@ __all__ = [
     "InfraredParameters",
     "MapperParameters",
     "PerceptionParameters",
+    "PublishingParameters",
     "SnapshotParameters",
     "SonarGuardParameters",
     "SonarParameters",
@@ -196,6 +197,30 @@ class PerceptionParameters:
 
 
 @dataclass(frozen=True)
+class PublishingParameters:
+    """How often whole maps are published."""
+
+    small_map: int = parameter(
+        250_000,
+        doc="maps of up to this many cells are published whole with every packet; of larger ones "
+        "each packet's window is",
+        minimum=0,
+        maximum=64_000_000,
+    )
+    period: float = parameter(
+        2.0,
+        doc="a whole map that is larger is published this long after the one before, in wall "
+        "time, if it has changed; at once when it is begun, reset or loaded",
+        unit="s",
+        minimum=0.1,
+        maximum=60.0,
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@dataclass(frozen=True)
 class SnapshotParameters:
     """What the mapper keeps on disk for the one that takes its place."""
 
@@ -255,6 +280,7 @@ class MapperParameters:
     area: AreaParameters = field(default_factory=AreaParameters)
     turret: TurretParameters = field(default_factory=TurretParameters)
     perception: PerceptionParameters = field(default_factory=PerceptionParameters)
+    publishing: PublishingParameters = field(default_factory=PublishingParameters)
     snapshot: SnapshotParameters = field(default_factory=SnapshotParameters)
 
     def __post_init__(self) -> None:

@@ -4,10 +4,13 @@
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fuzzy_map_building.grid import GridGeometry, Window
+from fuzzy_map_building.occupancy import Hundredths
 from fuzzy_navigation.cost_field import hundredths
 from fuzzy_navigation.params import PlannerParameters
 from fuzzy_navigation.plan_types import RiskLayer
@@ -15,7 +18,10 @@ from fuzzy_navigation.planning_map import LayeredMap, PlanningMap, Rungs
 from fuzzy_navigation.risk import Footprint, augment, checked_risk, real_numbers
 from fuzzy_navigation.workspace import Workspace
 
-__all__ = ["KeptMap"]
+__all__ = ["KeptMap", "MapLike"]
+
+#: A map of risks, or a part of one: any in [0, 1], or hundredths.
+MapLike: TypeAlias = ArrayLike | Hundredths
 
 
 class KeptMap:
@@ -77,28 +83,35 @@ class KeptMap:
         layer : RiskLayer, optional
             The risk that hit points lay over the map for the true one.
         """
-        risk = self._risk()
-        assert risk is not None
-        augmented = augment(risk, radius, self._geometry.resolution, "disc")
+        augmented = augment(self._risk(), radius, self._geometry.resolution, "disc")
         return LayeredMap(augmented, layer, self._barred, self._workspace)
 
     def take(
-        self, planning_risk: ArrayLike, barred: ArrayLike | None, parameters: PlannerParameters
+        self,
+        planning_risk: MapLike,
+        barred: ArrayLike | None,
+        parameters: PlannerParameters,
     ) -> None:
         """Take a whole map; see `Planner.set_map`."""
-        values = checked_risk(planning_risk, "the planning map")
-        self._check_shape("the planning map", values)
+        name = "the planning map"
+        self._check_shape(name, _shape(planning_risk, name))
+        risk = _read(planning_risk, name)
         bars: NDArray[np.bool_] | None = None
         if barred is not None:
             bars = np.array(barred)
-            self._check_shape("barred", bars)
+            self._check_shape("barred", bars.shape)
             if bars.dtype != np.bool_:
                 raise ValueError(f"barred must be an array of bool, got {bars.dtype}")
-        self._keep(values, parameters)
+        if not isinstance(risk, Hundredths):
+            self._keep_exact(risk, parameters)
+        elif self._coded is None:
+            self._keep_codes(risk.codes, parameters)
+        else:
+            self._coded.renew(risk.codes)
         self._barred = bars
 
     def take_window(
-        self, planning_risk: ArrayLike, window: Window, parameters: PlannerParameters
+        self, planning_risk: MapLike, window: Window, parameters: PlannerParameters
     ) -> None:
         """Take new values for a window; see `Planner.update_map`."""
         height, width = self._geometry.shape
@@ -108,55 +121,62 @@ class KeptMap:
         if not self.known:
             raise ValueError("the first planning map must be whole, not a window")
         name = "the window of the planning map"
-        values = real_numbers(planning_risk, name)
-        if values.shape != window.shape:
+        shape = _shape(planning_risk, name)
+        if shape != window.shape:
             raise ValueError(
-                f"{name} has the shape {values.shape} (rows, columns), "
-                f"but {window} has {window.shape}"
+                f"{name} has the shape {shape} (rows, columns), but {window} has {window.shape}"
             )
         if window.empty:
             return
-        values = checked_risk(values, name)
-        codes = _codes(values)
-        if self._coded is not None and codes is not None:
-            self._coded.update(codes, window)
+        new = _read(planning_risk, name)
+        if self._coded is not None and isinstance(new, Hundredths):
+            self._coded.update(new.codes, window)
             return
-        before = self._risk()
-        assert before is not None
-        risk = before.copy()
-        risk[window.slices] = values
-        self._keep(risk, parameters)
+        risk = self._risk().copy()
+        risk[window.slices] = new.risks if isinstance(new, Hundredths) else new
+        self._keep_exact(risk, parameters)
 
     def augment(self, parameters: PlannerParameters) -> None:
         """Augment the map anew, for another robot."""
-        risk = self._risk()
-        if risk is not None:
-            self._keep(risk, parameters)
+        if self._coded is not None:
+            self._keep_codes(self._coded.codes, parameters)
+        elif self.known:
+            self._keep_exact(self._risk(), parameters)
 
-    def _risk(self) -> NDArray[np.float64] | None:
-        return self._planning_risk if self._coded is None else self._coded.planning_risk
+    def _risk(self) -> NDArray[np.float64]:
+        """Return the map as it came; there is one."""
+        if self._coded is not None:
+            return self._coded.planning_risk
+        assert self._planning_risk is not None
+        return self._planning_risk
 
-    def _keep(self, values: NDArray[np.float64], p: PlannerParameters) -> None:
+    def _keep_codes(self, codes: NDArray[np.int8], p: PlannerParameters) -> None:
         resolution = self._geometry.resolution
-        codes = _codes(values)
-        if codes is not None:
-            footprint = Footprint.of(p.robot_radius, resolution, p.augmentation, values.shape)
-            self._coded = PlanningMap(codes, footprint, self._workspace)
-            self._planning_risk = self._augmented = None
-            return
-        augmented = augment(values, p.robot_radius, resolution, p.augmentation)
+        footprint = Footprint.of(p.robot_radius, resolution, p.augmentation, codes.shape)
+        self._coded = PlanningMap(codes.copy(), footprint, self._workspace)
+        self._planning_risk = self._augmented = None
+
+    def _keep_exact(self, values: NDArray[np.float64], p: PlannerParameters) -> None:
+        augmented = augment(values, p.robot_radius, self._geometry.resolution, p.augmentation)
         augmented.flags.writeable = False
         self._planning_risk, self._augmented, self._coded = values.copy(), augmented, None
 
-    def _check_shape(self, name: str, values: NDArray[np.generic]) -> None:
-        if values.shape != self._geometry.shape:
+    def _check_shape(self, name: str, shape: tuple[int, ...]) -> None:
+        if shape != self._geometry.shape:
             raise ValueError(
-                f"{name} has the shape {values.shape} (rows, columns), "
+                f"{name} has the shape {shape} (rows, columns), "
                 f"but the planner's area has {self._geometry.shape}"
             )
 
 
-def _codes(values: NDArray[np.float64]) -> NDArray[np.int8] | None:
-    """Return risks in hundredths, None if they are none."""
+def _shape(risk: MapLike, name: str) -> tuple[int, ...]:
+    return risk.codes.shape if isinstance(risk, Hundredths) else real_numbers(risk, name).shape
+
+
+def _read(risk: MapLike, name: str) -> NDArray[np.float64] | Hundredths:
+    """Return risks checked, in hundredths if they can be."""
+    if isinstance(risk, Hundredths):
+        return risk
+    values = checked_risk(risk, name)
     codes = hundredths(values, np.broadcast_to(np.True_, values.shape))
-    return None if codes is None else codes[1:-1, 1:-1]
+    return values if codes is None else Hundredths(codes[1:-1, 1:-1])

@@ -12,7 +12,8 @@ from collections.abc import Sequence
 
 from numpy.typing import ArrayLike
 
-from fuzzy_map_building.grid import GridGeometry
+from fuzzy_map_building.grid import GridGeometry, Window
+from fuzzy_map_building.occupancy import Hundredths
 from fuzzy_map_building.types import InfraredReading, Pose2, SonarReading
 from fuzzy_navigation import verdicts
 from fuzzy_navigation.explored_area import ExploredArea
@@ -155,7 +156,7 @@ class Mission(MissionState):
         self,
         now: float,
         geometry: GridGeometry,
-        motion_risk: ArrayLike,
+        motion_risk: ArrayLike | Hundredths,
         stamp: float | None = None,
     ) -> Commands:
         """Take a motion map.
@@ -166,7 +167,7 @@ class Mission(MissionState):
             Time [s].
         geometry : GridGeometry
             Where its cells lie.
-        motion_risk : array_like, shape (H, W)
+        motion_risk : array_like or Hundredths, shape (H, W)
             M_m, not augmented.
         stamp : float, optional
             When it was made [s], on the clock of `now`; `now` if not given.
@@ -177,14 +178,49 @@ class Mission(MissionState):
             If shape or values are wrong; then the map before stays.
         """
         self._time.check(now)
-        p = self._p
-        rules = p.beta, p.robot_radius, p.augmentation
-        self._area = ExploredArea(geometry, motion_risk, *rules, self._pose)
+        area, p = self._area, self._p
+        known = area is not None and area.coded and area.geometry == geometry
+        if known and isinstance(motion_risk, Hundredths):
+            self._known.renew(motion_risk, self._pose)
+        else:
+            rules = p.beta, p.robot_radius, p.augmentation
+            self._area = ExploredArea(geometry, motion_risk, *rules, self._pose)
+        return self._mapped(now, self._known, stamp)
+
+    def on_window(
+        self, now: float, motion_risk: Hundredths, window: Window, stamp: float | None = None
+    ) -> Commands:
+        """Take what is new in the motion map.
+
+        Parameters
+        ----------
+        now : float
+            Time [s].
+        motion_risk : Hundredths, shape (h, w)
+            M_m in the window, not augmented.
+        window : Window
+            The only cells that differ from the map before.
+        stamp : float, optional
+            When it was made [s], on the clock of `now`; `now` if not given.
+
+        Raises
+        ------
+        ValueError
+            If there is no map yet or it is not in hundredths, or shape or window are wrong; then
+            the map before stays.
+        """
+        self._time.check(now)
+        if self._area is None:
+            raise ValueError("the first motion map must be whole, not a window")
+        self._area.update(motion_risk, window, self._pose)
+        return self._mapped(now, self._area, stamp)
+
+    def _mapped(self, now: float, area: ExploredArea, stamp: float | None) -> Commands:
         self._advance(now)
-        if self.active and (refusal := verdicts.outside(self._record, geometry)):
+        if self.active and (refusal := verdicts.outside(self._record, area.geometry)):
             return tuple(self._finish(refusal))
         if self._state is State.MOVING:
-            self._motion.allow(self._area.reach(self.plan_path, self._motion.passed))
+            self._motion.allow(area.reach(self.plan_path, self._motion.passed))
         if self._state is State.PERCEIVING:
             self._map_seen |= (now if stamp is None else stamp) >= self._asked_at
             return tuple(self._perceived(now))

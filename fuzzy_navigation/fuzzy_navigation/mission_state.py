@@ -10,6 +10,7 @@ from enum import Enum
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzy_map_building.occupancy import Hundredths
 from fuzzy_map_building.types import Pose2
 from fuzzy_navigation.explored_area import ExploredArea
 from fuzzy_navigation.look_turn import LookTurn
@@ -79,6 +80,11 @@ class MissionState:
     def plan_path(self) -> NDArray[np.float64]:
         """Cell centres (x, y) [m] of the newest plan, shape (n, 2)."""
         return self._motion.path.points
+
+    @property
+    def motion_map(self) -> Hundredths | None:
+        """The newest motion map, if it came in hundredths."""
+        return None if self._area is None else self._area.codes
 
     def feedback(self) -> Feedback:
         """Return the state of the mission."""

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from fuzzy_map_building.grid import GridGeometry, Window
 from fuzzy_map_building.types import Pose2
 from fuzzy_navigation.clearance_layer import clearance_layer
-from fuzzy_navigation.kept_map import KeptMap
+from fuzzy_navigation.kept_map import KeptMap, MapLike
 from fuzzy_navigation.params import PlannerParameters
 from fuzzy_navigation.plan_types import MAX_TOLERANCE, PlanResult, PlanStatus, RiskLayer
 from fuzzy_navigation.planning_map import Query
@@ -118,12 +118,12 @@ class Planner:
         """Memory of the map and of what searches work in [bytes]."""
         return self._map.nbytes
 
-    def set_map(self, planning_risk: ArrayLike, barred: ArrayLike | None = None) -> None:
+    def set_map(self, planning_risk: MapLike, barred: ArrayLike | None = None) -> None:
         """Take a new planning map.
 
         Parameters
         ----------
-        planning_risk : array_like, shape (H, W)
+        planning_risk : array_like or Hundredths, shape (H, W)
             M_p, not augmented.
         barred : array_like of bool, shape (H, W), optional
             Cells that no path may enter, such as the unexplored ones of a finished map.
@@ -135,7 +135,7 @@ class Planner:
         """
         self._map.take(planning_risk, barred, self._parameters)
 
-    def update_map(self, planning_risk: ArrayLike, window: Window) -> None:
+    def update_map(self, planning_risk: MapLike, window: Window) -> None:
         """Take what is new in the planning map: the cells of a window.
 
         What this costs depends on the window, not on the map, as long as risks are
@@ -143,7 +143,7 @@ class Planner:
 
         Parameters
         ----------
-        planning_risk : array_like, shape (h, w)
+        planning_risk : array_like or Hundredths, shape (h, w)
             M_p in the window, not augmented.
         window : Window
             The only cells that differ from the map before.
@@ -151,8 +151,7 @@ class Planner:
         Raises
         ------
         ValueError
-            If there is no map yet, or shape, values or window are wrong; the map before
-            stays.
+            If there is no map, or shape, values or window are wrong; the map before stays.
         """
         self._map.take_window(planning_risk, window, self._parameters)
 

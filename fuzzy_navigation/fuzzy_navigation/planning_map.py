@@ -21,7 +21,13 @@ from numpy.typing import NDArray
 from fuzzy_map_building.grid import Window
 from fuzzy_navigation.cost_field import HUNDREDTHS, NO_ENTRY, CostField, coded_costs
 from fuzzy_navigation.plan_types import RiskLayer
-from fuzzy_navigation.risk import Footprint, diagonal_factor, path_risks, risks_of_path
+from fuzzy_navigation.risk import (
+    Footprint,
+    changed_window,
+    diagonal_factor,
+    path_risks,
+    risks_of_path,
+)
 from fuzzy_navigation.search import SearchResult, admissible_cells, find_path, first_reachable
 from fuzzy_navigation.workspace import Workspace
 
@@ -193,6 +199,11 @@ class PlanningMap:
         return self._codes.nbytes + self._field.nbytes
 
     @property
+    def codes(self) -> NDArray[np.int8]:
+        """The map without augmentation in hundredths, shape (H, W)."""
+        return self._codes
+
+    @property
     def planning_risk(self) -> NDArray[np.float64]:
         """The map without augmentation, shape (H, W)."""
         return HUNDREDTHS[self._codes]
@@ -201,6 +212,11 @@ class PlanningMap:
     def augmented_risk(self) -> NDArray[np.float64]:
         """The augmented map, shape (H, W)."""
         return HUNDREDTHS[self._inner]
+
+    def renew(self, codes: NDArray[np.int8]) -> None:
+        """Take new risks in hundredths for the whole map, shape (H, W)."""
+        window = changed_window(self._codes, codes)
+        self.update(codes[window.slices], window)
 
     def update(self, codes: NDArray[np.int8], window: Window) -> None:
         """Take new risks for a window.
@@ -215,14 +231,7 @@ class PlanningMap:
         if window.empty:
             return
         self._codes[window.slices] = codes
-        height, width = self._codes.shape
-        reach = self._footprint.reach
-        touched = Window(
-            max(0, window.row0 - reach),
-            min(height, window.row1 + reach),
-            max(0, window.col0 - reach),
-            min(width, window.col1 + reach),
-        )
+        touched = self._footprint.grown(window, self._codes.shape)
         self._count -= self._histogram(touched)
         self._augment(touched)
 
@@ -319,15 +328,5 @@ class PlanningMap:
 
     def _augment(self, window: Window) -> None:
         """Make the augmented map of a window anew."""
-        height, width = self._codes.shape
-        reach = self._footprint.reach
-        row0, col0 = max(0, window.row0 - reach), max(0, window.col0 - reach)
-        seen = self._codes[
-            row0 : min(height, window.row1 + reach), col0 : min(width, window.col1 + reach)
-        ]
-        # What is near an inner side of the part seen is wrong, and not in the window.
-        worst = self._footprint.largest(seen, np.int8(100))
-        self._inner[window.slices] = worst[
-            window.row0 - row0 : window.row1 - row0, window.col0 - col0 : window.col1 - col0
-        ]
+        self._inner[window.slices] = self._footprint.largest_in(self._codes, np.int8(100), window)
         self._count += self._histogram(window)

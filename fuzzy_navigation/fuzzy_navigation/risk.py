@@ -17,12 +17,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage
 
+from fuzzy_map_building.grid import GridGeometry, Window
+
 __all__ = [
     "DIAGONALS",
     "Footprint",
     "alpha_cut",
     "augment",
     "beta_cut",
+    "changed_window",
+    "check_effort",
     "checked_risk",
     "diagonal_factor",
     "path_risks",
@@ -32,6 +36,9 @@ __all__ = [
 
 #: Cost of a diagonal step in straight steps.
 DIAGONALS = {"unit": 1.0, "sqrt2": math.sqrt(2.0)}
+
+#: Most cells times rectangles of the footprint that a map is augmented with: some 20 s.
+MOST_EFFORT = 1e9
 
 N = TypeVar("N", np.int8, np.float64)
 
@@ -54,6 +61,23 @@ def real_numbers(values: ArrayLike, name: str) -> NDArray[np.float64]:
     if array.dtype.kind not in "biuf":
         raise ValueError(f"{name} must be an array of real numbers, got one of {array.dtype}")
     return array.astype(np.float64, copy=False)
+
+
+def changed_window(before: NDArray[N], after: NDArray[N]) -> Window:
+    """Return the smallest window that holds all cells in which two maps differ.
+
+    Parameters
+    ----------
+    before, after : ndarray, shape (H, W)
+        The maps.
+    """
+    differ = before != after
+    rows = np.flatnonzero(differ.any(axis=1))
+    if len(rows) == 0:
+        return Window(0, 0, 0, 0)
+    row0, row1 = int(rows[0]), int(rows[-1]) + 1
+    columns = np.flatnonzero(differ[row0:row1].any(axis=0))
+    return Window(row0, row1, int(columns[0]), int(columns[-1]) + 1)
 
 
 def checked_risk(risk: ArrayLike, name: str = "risk") -> NDArray[np.float64]:
@@ -127,6 +151,37 @@ class Footprint:
             halves[math.floor(math.sqrt((cells + _SLACK) ** 2 - k * k))] = k
         return cls(tuple((k, j) for j, k in halves.items()))
 
+    def grown(self, window: Window, map_shape: tuple[int, ...]) -> Window:
+        """Return the cells whose footprint touches a window, or those that its cells' do."""
+        height, width = map_shape
+        reach = self.reach
+        return Window(
+            max(0, window.row0 - reach),
+            min(height, window.row1 + reach),
+            max(0, window.col0 - reach),
+            min(width, window.col1 + reach),
+        )
+
+    def largest_in(self, values: NDArray[N], outside: N, window: Window) -> NDArray[N]:
+        """Return what `largest` does for some cells, and look at no others than it has to.
+
+        Parameters
+        ----------
+        values : ndarray, shape (H, W)
+            Values of all cells.
+        outside : number
+            Value of the cells outside.
+        window : Window
+            The cells.
+        """
+        seen = self.grown(window, values.shape)
+        # What is near an inner side of the part seen is wrong, and not in the window.
+        out: NDArray[N] = self.largest(values[seen.slices], outside)[
+            window.row0 - seen.row0 : window.row1 - seen.row0,
+            window.col0 - seen.col0 : window.col1 - seen.col0,
+        ]
+        return out
+
     @property
     def reach(self) -> int:
         """Cells that it reaches from its centre, at most."""
@@ -150,6 +205,32 @@ class Footprint:
         )
         out: NDArray[N] = functools.reduce(np.maximum, filtered)
         return out
+
+
+def check_effort(geometry: GridGeometry, radius: float, shape: str) -> None:
+    """Refuse a map that takes too long to augment for whoever has to answer meanwhile.
+
+    Parameters
+    ----------
+    geometry : GridGeometry
+        Where the map's cells lie.
+    radius, shape
+        As `augment` takes them.
+
+    Raises
+    ------
+    ValueError
+        If the map has too many cells for a robot of so many.
+    """
+    footprint = Footprint.of(radius, geometry.resolution, shape, geometry.shape)
+    effort = geometry.width * geometry.height * len(footprint.halves)
+    if effort > MOST_EFFORT:
+        raise ValueError(
+            f"a map of {geometry.width} x {geometry.height} cells of {geometry.resolution:g} m is "
+            f"too fine for a robot of radius {radius:g} m: widening its obstacles by the robot "
+            f"would take {effort / MOST_EFFORT:.0f} times as long as is reasonable; use larger "
+            "cells"
+        )
 
 
 def augment(

@@ -11,23 +11,25 @@ from collections.abc import Callable, Iterator
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 from fuzzy_msgs.action import BuildMap, Navigate
 from fuzzy_msgs.srv import PlanPath
 from geometry_msgs.msg import Twist
 from rclpy.action import CancelResponse, GoalResponse
-from rclpy.task import Future
 
 from fuzz import messages
 from fuzz.draw import Draw
+from fuzz.motion_partners import Partner, Perception
 from fuzz.nodes import Bench, GoalHandle, finished, node_of
 from fuzz.surface import Surface, Target, check_words
+from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.parameter_schema import flatten
-from fuzzy_map_building.ros import clock, conversions
+from fuzzy_map_building.ros import clock, conversions, map_conversions
 from fuzzy_map_building.ros.clock import stamp_from_seconds
 from fuzzy_map_building.ros.conversions import pose_to_msg
 from fuzzy_map_building.types import Pose2
 from fuzzy_navigation.control_tick import ControlTicks
-from fuzzy_navigation.map_times import MapTimes
+from fuzzy_navigation.explored_area import ExploredArea
 from fuzzy_navigation.mission import Mission
 from fuzzy_navigation.mission_types import Phase
 from fuzzy_navigation.pose_time import PoseTime
@@ -38,42 +40,6 @@ from fuzzy_navigation.ros.motion_node import MotionNode
 __all__ = ["SURFACES"]
 
 MOST_CALLS = 16
-
-
-class Partner:
-    """Stands in for a client of the mapper or the planner: keeps what it is asked."""
-
-    def __init__(self) -> None:
-        self.ready = True
-        self.asked: list[tuple[Any, Future]] = []
-
-    def service_is_ready(self) -> bool:
-        return self.ready
-
-    server_is_ready = service_is_ready
-
-    def call_async(self, request: Any) -> Future:
-        self.asked.append((request, Future()))
-        return self.asked[-1][1]
-
-    send_goal_async = call_async
-
-    def remove_pending_request(self, future: Future) -> None:
-        """The real client forgets it; here it may be answered all the same."""
-
-
-class Perception:
-    """A goal that the mapper has taken or not."""
-
-    def __init__(self, accepted: bool) -> None:
-        self.accepted = accepted
-        self.result = Future()
-
-    def get_result_async(self) -> Future:
-        return self.result
-
-    def cancel_goal_async(self) -> None:
-        """Whether it is cancelled the case says."""
 
 
 class Commands:
@@ -115,7 +81,8 @@ class Case:
         node._time = PoseTime()
         node._mission = Mission(p)
         node._map = None
-        node._map_times = MapTimes("the motion map")
+        node._followed.forget()
+        self.windows = 0
         node._last_tick = -math.inf
         node._missions = node._missions_before = 0
         node._verdicts.clear()
@@ -144,7 +111,12 @@ class Case:
             refused = True
         rejected, feedback = self.bench.rejected(), self.node._mission.feedback()
         count = self.commands.count
-        getattr(self.node, f"_on_{name}")(message)
+        {
+            "pose": self.node._on_pose,
+            "infrared": self.node._on_infrared,
+            "map": self.node._followed.on_map,
+            "window": self.node._followed.on_window,
+        }[name](message)
         if refused:
             assert self.bench.rejected() == rejected + 1, f"{name} was not counted"
             assert self.commands.count == count, f"a refused {name} moved the robot"
@@ -197,7 +169,33 @@ class Case:
         values = draw.choice(((0,), (0, 0, 0, 20), (0, 100), (100,)))
         resolution = draw.choice((0.1, 0.1, 0.1, 0.02, 1e-3, 1e-6))
         message = messages.grid(draw, self.bench.now, 16, 12, resolution, values)
-        self.message("map", message, conversions.risk_from_msg)
+        stamps = (message.info.map_load_time, message.header.stamp)
+        began, stamp = map(clock.nanoseconds_from_stamp, stamps)
+        if self.node._followed._follower.outdated(began, stamp):
+            self.node._followed.on_map(message)  # not looked at
+        else:
+            self.message("map", message, map_conversions.risk_from_msg)
+
+    def window(self, draw: Draw) -> None:
+        """A window, mostly one that goes on from the map."""
+        follower, area = self.node._followed._follower, self.node._mission._area
+        geometry = area.geometry if area is not None else GridGeometry(16, 12, 0.1)
+        self.windows += 1
+        message = messages.window(
+            draw,
+            self.bench.now + 0.01 * self.windows,
+            *(geometry.width, geometry.height, max(0, follower._began) * 1e-9),
+            max(0, follower._stamp) * 1e-9,
+        )
+        taken = follower.taken
+        self.message("window", message, map_conversions.window_from_msg)
+        if follower.taken > taken and area is self.node._mission._area and area is not None:
+            self.counts["window taken"] += 1
+            rules = self.p.beta, self.p.robot_radius, self.p.augmentation
+            codes = area.codes
+            assert codes is not None
+            whole = ExploredArea(geometry, codes, *rules, self.node._mission._pose)
+            assert np.array_equal(area.cells, whole.cells)
 
     def goal(self, draw: Draw) -> None:
         x, y = draw.between(0.0, 1.6), draw.between(0.0, 1.2)
@@ -278,7 +276,7 @@ class Case:
                 )
             self.mapper.asked.clear()
             free = messages.grid(Draw(b""), self.bench.now, 16, 12, 0.1, (0,))
-            self.node._on_map(free)
+            self.node._followed.on_map(free)
             asked, self.planner.asked = self.planner.asked, []
             for _, future in asked:
                 response = self._plan(Draw(bytes([1, 0, 1, 0, 0, 6]) + bytes(60)))
@@ -289,7 +287,7 @@ class Case:
 
     def step(self, draw: Draw) -> None:
         """One thing that happens."""
-        kind = draw.byte() % 24
+        kind = draw.byte() % 26
         if kind <= 3:
             self.ring(draw)
         elif kind <= 7:
@@ -312,6 +310,8 @@ class Case:
             partner.ready = bool(draw.byte() % 2)
         elif kind == 22:
             self.node._diagnostics.publish()
+        elif kind >= 24:
+            self.window(draw)
         else:
             self.node._watch()
 
@@ -352,7 +352,7 @@ def _opened(counts: Counter[str]) -> Iterator[Target]:
             case = Case(node, bench, commands, counts)
             if draw.byte() % 4:  # a robot that stands in a known place with a goal
                 case.ring(Draw(b""))
-                node._on_map(messages.grid(Draw(b""), bench.now, 16, 12, 0.1, (0,)))
+                node._followed.on_map(messages.grid(Draw(b""), bench.now, 16, 12, 0.1, (0,)))
                 case.goal(Draw(bytes([0, 192, 0, 128])))
             for _ in range(MOST_CALLS):
                 if not draw.left:

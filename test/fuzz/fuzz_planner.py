@@ -19,9 +19,10 @@ from fuzz.nodes import Bench, node_of
 from fuzz.surface import Surface, Target
 from fuzzy_map_building.parameter_schema import flatten
 from fuzzy_map_building.ros import clock
-from fuzzy_map_building.ros.conversions import Refused, risk_from_msg
-from fuzzy_navigation.map_times import MapTimes
+from fuzzy_map_building.ros.conversions import Refused
+from fuzzy_map_building.ros.map_conversions import risk_from_msg, window_from_msg
 from fuzzy_navigation.planner import Planner
+from fuzzy_navigation.risk import augment
 from fuzzy_navigation.ros import planner_node
 from fuzzy_navigation.ros.planner_node import PlannerNode
 
@@ -41,7 +42,8 @@ class Case:
         self.counts = counts
         node._planner = Planner(planner_node._NOWHERE, node._settings.values)
         node._map_stamp = None
-        node._map_times = MapTimes("the planning map")
+        node._followed.forget()
+        self.windows = 0
         bench.begin()
 
     def map(self, draw: Draw) -> None:
@@ -55,9 +57,12 @@ class Case:
             refused = False
         except Refused:
             refused = True
+        stamps = (message.info.map_load_time, message.header.stamp)
+        began, stamp = map(clock.nanoseconds_from_stamp, stamps)
+        refused &= not self.node._followed._follower.outdated(began, stamp)
         rejected, planner = self.bench.rejected(), self.node._planner
         before = None if planner.augmented_risk is None else planner.augmented_risk.copy()
-        self.node._on_map(message)
+        self.node._followed.on_map(message)
         if refused:
             assert self.bench.rejected() == rejected + 1
             assert self.node._planner is planner
@@ -66,6 +71,37 @@ class Case:
         if risk is not None:
             assert ((risk >= 0.0) & (risk <= 1.0)).all()
         assert self.node._planner.nbytes < MOST_MEMORY
+
+    def window(self, draw: Draw) -> None:
+        """A window, mostly one that goes on from the map: only its cells change, or none."""
+        follower, planner = self.node._followed._follower, self.node._planner
+        geometry, kept = planner.geometry, planner._map._coded
+        self.windows += 1
+        message = messages.window(
+            draw,
+            self.bench.now + 0.01 * self.windows,
+            *(geometry.width, geometry.height, max(0, follower._began) * 1e-9),
+            max(0, follower._stamp) * 1e-9,
+        )
+        expected = None if kept is None else kept.codes.copy()
+        taken, rejected = follower.taken, self.bench.rejected()
+        self.node._followed.on_window(message)
+        self.counts["window" if follower.taken > taken else "window that did not fit"] += 1
+        assert self.bench.rejected() <= rejected + 1
+        if follower.taken > taken + 1:
+            return  # others waited for it
+        if expected is None or kept is None:
+            assert follower.taken == taken
+            return
+        if follower.taken > taken:
+            assert self.bench.rejected() == rejected
+            window = window_from_msg(message)
+            expected[window.window.slices] = window.cells
+        assert np.array_equal(kept.codes, expected)
+        p = self.node._settings.values
+        radius, footprint = p.robot_radius, p.augmentation
+        risk = augment(expected / 100.0, radius, geometry.resolution, footprint)
+        assert np.array_equal(planner.augmented_risk, risk)  # type: ignore[arg-type]
 
     def plan(self, draw: Draw) -> None:
         self.counts["plan_path"] += 1
@@ -133,7 +169,7 @@ def _opened(counts: Counter[str]) -> Iterator[Target]:
             for _ in range(MOST_CALLS):
                 if not draw.left:
                     break
-                kind = draw.byte() % 12
+                kind = draw.byte() % 15
                 if kind <= 5:
                     case.plan(draw)
                 elif kind <= 7:
@@ -144,6 +180,8 @@ def _opened(counts: Counter[str]) -> Iterator[Target]:
                     bench.ask_parameters(draw, names, counts)
                 elif kind == 10:
                     bench.wait(draw)
+                elif kind >= 12:
+                    case.window(draw)
                 else:
                     node._diagnostics.publish()
 
@@ -156,6 +194,7 @@ def _seeds() -> list[bytes]:
         bytes([15, 15]) + bytes(20) + bytes([0]) + bytes(40),
         bytes([9, 9, 1, 0, 0]) + bytes(range(200)),
         bytes(range(255, 0, -1)),
+        bytes([9, 9, 1, 0, 0]) + bytes(26) + bytes([12, 3, 2, 1] + 20 * [0]) * 6,
         bytes([12, 12, 0, 5]) + bytes(30) + bytes([0] * 30 + [6] + [7] * 30),
     ]
 

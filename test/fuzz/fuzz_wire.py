@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from fuzzy_msgs.msg import OccupancyGridUpdate
 from fuzzy_msgs.srv import MapFile, PlanPath
 from geometry_msgs.msg import PoseStamped, Twist
 from nav_msgs.msg import OccupancyGrid, Path
@@ -19,8 +20,10 @@ from sensor_msgs.msg import JointState, Range
 from fuzz import messages
 from fuzz.draw import Draw
 from fuzz.surface import Surface, check_words, of_function
+from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.map_folder import MapFolder
-from fuzzy_map_building.ros import conversions
+from fuzzy_map_building.map_follower import MapFollower
+from fuzzy_map_building.ros import conversions, map_conversions
 from fuzzy_map_building.ros.clock import stamp_from_seconds
 from fuzzy_map_building.ros.conversions import Refused
 from fuzzy_map_building.ros.names import sonar_frame
@@ -46,10 +49,22 @@ def _joint(message: JointState) -> None:
 
 
 def _grid(message: OccupancyGrid) -> None:
-    geometry, risk = conversions.risk_from_msg(message)
-    assert risk.shape == geometry.shape
-    assert ((risk >= 0.0) & (risk <= 1.0)).all()
+    geometry, risk = map_conversions.risk_from_msg(message)
+    assert risk.codes.shape == geometry.shape
+    assert ((risk.risks >= 0.0) & (risk.risks <= 1.0)).all()
     assert np.isfinite(geometry.bounds).all()
+
+
+def _window(message: OccupancyGridUpdate) -> None:
+    window = map_conversions.window_from_msg(message)
+    assert window.cells.shape == window.window.shape
+    assert 0 <= window.began <= window.previous < window.stamp
+    follower = MapFollower()
+    assert follower.take_window(window) == []
+    geometry = GridGeometry(8, 6, 0.1)
+    taken = follower.take_map(window.began, window.previous, geometry)
+    inside = window.window.row1 <= geometry.height and window.window.col1 <= geometry.width
+    assert taken == ([window] if inside else [])
 
 
 def _twist(message: Twist) -> None:
@@ -80,6 +95,7 @@ TAKERS: Mapping[type, Callable[[Any], None]] = {
     Range: _range,
     JointState: _joint,
     OccupancyGrid: _grid,
+    OccupancyGridUpdate: _window,
     Twist: _twist,
     PoseStamped: _pose,
     Path: _path,
@@ -111,6 +127,7 @@ def _seeds() -> Sequence[bytes]:
         messages.range_of(none, 10.0, FRAMES[3], 0.4363),
         messages.joint_state(none, 10.0, "turret_joint", 0.1),
         messages.grid(none, 10.0, 5, 4, 0.1, (0, 20, 100)),
+        messages.window(none, 10.0, 5, 4, 8.0, 7.0),
         messages.twist(none),
         messages.stamped_pose(none, 10.0, 1.0, 2.0),
         conversions.path_to_msg([Pose2(1.0, 2.0)], stamp_from_seconds(10.0)),

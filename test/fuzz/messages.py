@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from builtin_interfaces.msg import Time
+from fuzzy_msgs.msg import OccupancyGridUpdate
 from geometry_msgs.msg import Point, Pose, PoseStamped, Twist
 from nav_msgs.msg import OccupancyGrid
 from rcl_interfaces.msg import Parameter, ParameterValue
@@ -28,6 +29,7 @@ __all__ = [
     "range_of",
     "stamped_pose",
     "twist",
+    "window",
 ]
 
 _INT32, _UINT32 = 2**31 - 1, 2**32 - 1
@@ -115,6 +117,35 @@ def grid(
     if draw.one_in(6) and data:
         data[draw.below(len(data))] = draw.choice((-128, -2, -1, 101, 127, 100))
     message.data = data
+    return message
+
+
+def window(
+    draw: Draw, now: float, width: int, height: int, began: float, previous: float
+) -> OccupancyGridUpdate:
+    """Return a window of a map, mostly one that goes on from the state `previous` [s]."""
+    message = OccupancyGridUpdate(header=_header(draw, "map", now))
+    message.map_load_time = stamp_from_seconds(began)
+    message.previous = stamp_from_seconds(previous)
+    if draw.one_in(8):
+        message.map_load_time, message.previous = _stamp(draw, began), _stamp(draw, previous)
+    message.width, message.height = 1 + draw.below(width), 1 + draw.below(height)
+    message.x = draw.below(width - message.width + 1)
+    message.y = draw.below(height - message.height + 1)
+    count = message.width * message.height
+    if draw.one_in(6):
+        name = draw.choice(("x", "y"))
+        setattr(message, name, draw.choice((-1, 5, width, _INT32, -_INT32)))
+    if draw.one_in(6):
+        name = draw.choice(("width", "height"))
+        setattr(message, name, draw.choice((0, 1, width, 8000, _UINT32)))
+        if draw.one_in(2):
+            count = min(message.width * message.height, 4096)
+    values = (0, 20, 60, 100)
+    message.data = array("b", [draw.choice(values) for _ in range(min(count, 12))] or [0])
+    message.data = array("b", (list(message.data) * (1 + count // 12))[:count])
+    if draw.one_in(6) and message.data:
+        message.data[draw.below(len(message.data))] = draw.choice((-128, -1, 101, 127))
     return message
 
 

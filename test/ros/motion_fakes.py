@@ -28,7 +28,8 @@ from fuzzy_map_building.ros.clock import (
     create_steady_timer,
     stamp_from_seconds,
 )
-from fuzzy_map_building.ros.conversions import grid_to_msg, path_to_msg, pose_to_msg
+from fuzzy_map_building.ros.conversions import path_to_msg, pose_to_msg
+from fuzzy_map_building.ros.map_conversions import grid_to_msg
 from fuzzy_map_building.types import Pose2
 from fuzzy_navigation.planner import Planner
 from fuzzy_navigation.search import warm_up

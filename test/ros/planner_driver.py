@@ -18,7 +18,7 @@ from rclpy.publisher import Publisher
 
 from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.ros import names, qos
-from fuzzy_map_building.ros.conversions import grid_to_msg
+from fuzzy_map_building.ros.map_conversions import grid_to_msg
 from ros.harness import NodeProcess, Probe, Received, wait_until
 
 GEOMETRY = GridGeometry(40, 30, 0.1, (-1.0, 0.5))

@@ -16,7 +16,7 @@ from nav_msgs.msg import OccupancyGrid
 from sensor_msgs.msg import JointState, Range
 
 from fuzzy_map_building.grid import GridGeometry
-from fuzzy_map_building.ros import conversions
+from fuzzy_map_building.ros import conversions, map_conversions
 from fuzzy_map_building.ros.clock import seconds_from_stamp, stamp_from_seconds
 from fuzzy_map_building.ros.conversions import RangeSample, Refused
 from fuzzy_map_building.types import Pose2
@@ -165,7 +165,7 @@ def test_joint_position() -> None:
 def grid_message() -> tuple[GridGeometry, np.ndarray, OccupancyGrid]:
     geometry = GridGeometry(4, 3, 0.1, (-1.0, 2.0))
     values = np.array([[0, 1, 2, 3], [50, 51, 52, 53], [97, 98, 99, 100]], dtype=np.int8)
-    return geometry, values, conversions.grid_to_msg(values, geometry, Time(sec=1))
+    return geometry, values, map_conversions.grid_to_msg(values, geometry, Time(sec=1))
 
 
 def test_a_map_is_row_major_with_x_fastest_from_its_lower_left_corner() -> None:
@@ -174,7 +174,7 @@ def test_a_map_is_row_major_with_x_fastest_from_its_lower_left_corner() -> None:
     assert (message.info.origin.position.x, message.info.origin.position.y) == (-1.0, 2.0)
     # Cell (row 1, column 2) is the seventh value.
     assert message.data[1 * 4 + 2] == 52
-    back, read = conversions.grid_from_msg(message)
+    back, read = map_conversions.grid_from_msg(message)
     assert back == geometry  # the resolution, too: 0.1 and not the nearest float32
     np.testing.assert_array_equal(read, values)
 
@@ -182,14 +182,14 @@ def test_a_map_is_row_major_with_x_fastest_from_its_lower_left_corner() -> None:
 def test_a_map_in_columns_is_sent_row_by_row() -> None:
     geometry, values, message = grid_message()
     fortran = np.asfortranarray(values)
-    assert conversions.grid_to_msg(fortran, geometry, Time(sec=1)).data == message.data
+    assert map_conversions.grid_to_msg(fortran, geometry, Time(sec=1)).data == message.data
 
 
 def test_risk_is_a_hundredth_of_the_value() -> None:
     _, values, message = grid_message()
-    _, risk = conversions.risk_from_msg(message)
-    assert risk[1, 2] == 0.52
-    np.testing.assert_array_equal(np.round(100 * risk), values)
+    _, risk = map_conversions.risk_from_msg(message)
+    assert risk.risks[1, 2] == 0.52
+    np.testing.assert_array_equal(np.round(100 * risk.risks), values)
 
 
 @pytest.mark.parametrize(
@@ -213,15 +213,15 @@ def test_risk_is_a_hundredth_of_the_value() -> None:
 def test_risk_maps_that_are_refused(reason: str, spoil: Callable[[OccupancyGrid], None]) -> None:
     *_, message = grid_message()
     spoil(message)
-    assert refusal(lambda: conversions.risk_from_msg(message)).reason == reason
+    assert refusal(lambda: map_conversions.risk_from_msg(message)).reason == reason
 
 
 def test_a_map_of_another_shape_is_a_fault_of_the_program() -> None:
     geometry, values, _ = grid_message()
     with pytest.raises(ValueError, match=r"shape \(3, 4\) takes int8"):
-        conversions.grid_to_msg(values[:2], geometry, Time(sec=1))
+        map_conversions.grid_to_msg(values[:2], geometry, Time(sec=1))
     with pytest.raises(ValueError, match="float64"):
-        conversions.grid_to_msg(values.astype(float), geometry, Time(sec=1))
+        map_conversions.grid_to_msg(values.astype(float), geometry, Time(sec=1))
 
 
 def test_path_there_and_back() -> None:

@@ -28,7 +28,8 @@ from fuzzy_map_building.mapper import FuzzyMapper
 from fuzzy_map_building.params import mapper_parameters
 from fuzzy_map_building.ros import names, qos
 from fuzzy_map_building.ros.clock import stamp_from_seconds
-from fuzzy_map_building.ros.conversions import grid_from_msg, pose_to_msg
+from fuzzy_map_building.ros.conversions import pose_to_msg
+from fuzzy_map_building.ros.map_conversions import grid_from_msg
 from fuzzy_map_building.types import Pose2, SonarReading
 from ros.fake_robot import Talker, joint_to_msg, range_to_msg
 from ros.harness import NodeProcess, Probe, Received, wait_until

@@ -27,7 +27,7 @@ from fuzzy_map_building.map_io import load_map, save_map
 from fuzzy_map_building.mapper import FuzzyMapper
 from fuzzy_map_building.params import mapper_parameters
 from fuzzy_map_building.ros import names, qos
-from fuzzy_map_building.ros.conversions import grid_from_msg
+from fuzzy_map_building.ros.map_conversions import grid_from_msg
 from fuzzy_map_building.types import Pose2, SonarReading
 from ros.fake_robot import FakeRobot
 from ros.harness import NodeProcess, Probe

@@ -16,7 +16,8 @@ from sensor_msgs.msg import Range
 
 from fuzzy_map_building.ros import names, qos
 from fuzzy_map_building.ros.clock import stamp_from_seconds
-from fuzzy_map_building.ros.conversions import grid_to_msg, pose_to_msg
+from fuzzy_map_building.ros.conversions import pose_to_msg
+from fuzzy_map_building.ros.map_conversions import grid_to_msg
 from fuzzy_map_building.types import Pose2
 from ros.motion_fakes import FRAMES, GEOMETRY
 from ros.motion_scene import RESULT, Scene, goal_at, staged

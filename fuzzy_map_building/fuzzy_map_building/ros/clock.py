@@ -19,9 +19,11 @@ __all__ = [
     "PatientTime",
     "StallWatch",
     "create_steady_timer",
+    "nanoseconds_from_stamp",
     "now_seconds",
     "on_clock_set_back",
     "seconds_from_stamp",
+    "stamp_from_nanoseconds",
     "stamp_from_seconds",
 ]
 
@@ -54,6 +56,17 @@ def stamp_from_seconds(seconds: float) -> Time:
     # The product of the whole time would lose the nanoseconds of a wall clock.
     carry, nanoseconds = divmod(round((seconds - whole) * _NANOSECONDS), _NANOSECONDS)
     return Time(sec=whole + carry, nanosec=nanoseconds)
+
+
+def nanoseconds_from_stamp(stamp: Time) -> int:
+    """Return a message's stamp [ns], exactly."""
+    return int(stamp.sec) * _NANOSECONDS + int(stamp.nanosec)
+
+
+def stamp_from_nanoseconds(nanoseconds: int) -> Time:
+    """Return the stamp of a time that is not negative [ns]."""
+    seconds, rest = divmod(nanoseconds, _NANOSECONDS)
+    return Time(sec=seconds, nanosec=rest)
 
 
 def on_clock_set_back(node: Node, callback: Callable[[TimeJump], None]) -> JumpHandle:

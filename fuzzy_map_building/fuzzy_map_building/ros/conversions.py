@@ -9,7 +9,6 @@ where, and what to do, and whose ``reason`` is the word it is counted under.
 from __future__ import annotations
 
 import math
-from array import array
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Final
@@ -17,12 +16,10 @@ from typing import Final
 import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Pose, PoseStamped, Quaternion, Twist
-from nav_msgs.msg import OccupancyGrid, Path
-from numpy.typing import NDArray
+from nav_msgs.msg import Path
 from sensor_msgs.msg import JointState, Range
 from std_msgs.msg import Header
 
-from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.plain_yaml import shown
 from fuzzy_map_building.ros import names
 from fuzzy_map_building.ros.clock import seconds_from_stamp
@@ -31,17 +28,15 @@ from fuzzy_map_building.types import Pose2
 __all__ = [
     "RangeSample",
     "Refused",
-    "geometry_from_msg",
+    "check_frame",
+    "float32",
     "goal_from_msg",
-    "grid_from_msg",
-    "grid_to_msg",
     "joint_position",
     "path_from_msg",
     "path_to_msg",
     "pose_from_msg",
     "pose_to_msg",
     "range_from_msg",
-    "risk_from_msg",
     "stamped_pose_from_msg",
     "twist_from_msg",
     "twist_to_msg",
@@ -82,7 +77,7 @@ class RangeSample:
     range: float
 
 
-def _float32(value: float) -> float:
+def float32(value: float) -> float:
     """Return the shortest decimal that a float32 field can have meant: 0.1, not 0.10000000149."""
     return float(str(np.float32(value)))
 
@@ -96,7 +91,8 @@ def _stamp(header: Header, what: str) -> float:
     return seconds_from_stamp(stamp)
 
 
-def _check_frame(header: Header, frame: str, what: str) -> None:
+def check_frame(header: Header, frame: str, what: str) -> None:
+    """Refuse what is in another frame, as ``wrong_frame``."""
     if header.frame_id != frame:
         raise Refused(
             "wrong_frame",
@@ -150,7 +146,7 @@ def stamped_pose_from_msg(
     Refused
         ``wrong_frame``, ``no_stamp``, ``negative_stamp`` or as `pose_from_msg`.
     """
-    _check_frame(message.header, frame, what)
+    check_frame(message.header, frame, what)
     return _stamp(message.header, what), pose_from_msg(message.pose, what)
 
 
@@ -164,7 +160,7 @@ def goal_from_msg(message: PoseStamped, frame: str = names.MAP_FRAME, what: str 
     Refused
         ``wrong_frame``, ``not_finite`` or ``too_far``.
     """
-    _check_frame(message.header, frame, what)
+    check_frame(message.header, frame, what)
     upright = Pose(position=message.pose.position)
     upright.orientation.w = 1.0
     return pose_from_msg(upright, what)
@@ -222,7 +218,7 @@ def range_from_msg(
             f"{what} of '{frame}' has a field of view of {message.field_of_view:.4g} rad, "
             f"expected {field_of_view:.4g} rad (the full angle): mend the driver or the parameter",
         )
-    return RangeSample(sensor, stamp, _float32(message.range))
+    return RangeSample(sensor, stamp, float32(message.range))
 
 
 def joint_position(
@@ -246,106 +242,6 @@ def joint_position(
     return _stamp(message.header, what), position
 
 
-def geometry_from_msg(message: OccupancyGrid, what: str = "map") -> GridGeometry:
-    """Return where a map's cells lie.
-
-    Raises
-    ------
-    Refused
-        ``wrong_frame``, ``rotated``, ``not_finite``, ``quaternion_norm``, ``too_far`` or
-        ``geometry``.
-    """
-    _check_frame(message.header, names.MAP_FRAME, what)
-    origin = pose_from_msg(message.info.origin, f"{what} origin")
-    if abs(origin.theta) > 1e-6:
-        raise Refused(
-            "rotated",
-            f"{what} is rotated by {math.degrees(origin.theta):.3g} deg; "
-            "its axes must be those of the frame",
-        )
-    info = message.info
-    try:
-        return GridGeometry(
-            info.width, info.height, _float32(info.resolution), (origin.x, origin.y)
-        )
-    except ValueError as error:
-        raise Refused("geometry", f"{what}: {error}") from error
-
-
-def grid_from_msg(
-    message: OccupancyGrid, what: str = "map"
-) -> tuple[GridGeometry, NDArray[np.int8]]:
-    """Return a map's geometry and its values, -1 or 0..100, shape (height, width).
-
-    The values are a read-only view of the message's data.
-
-    Raises
-    ------
-    Refused
-        As `geometry_from_msg`, ``size`` or ``value``.
-    """
-    geometry = geometry_from_msg(message, what)
-    cells = geometry.width * geometry.height
-    if len(message.data) != cells:
-        raise Refused(
-            "size",
-            f"{what} has {len(message.data)} values for {geometry.width} x {geometry.height} "
-            "cells",
-        )
-    values = np.frombuffer(message.data, dtype=np.int8).reshape(geometry.shape)
-    if values.min() < -1 or values.max() > 100:
-        raise Refused(
-            "value", f"{what} has values from {values.min()} to {values.max()}, allowed: -1..100"
-        )
-    values.flags.writeable = False
-    return geometry, values
-
-
-def risk_from_msg(
-    message: OccupancyGrid, what: str = "map"
-) -> tuple[GridGeometry, NDArray[np.float64]]:
-    """Return a risk map's geometry and its risks in [0, 1], shape (height, width).
-
-    Raises
-    ------
-    Refused
-        As `grid_from_msg`; ``unknown`` where a value is -1, which no risk map has.
-    """
-    geometry, values = grid_from_msg(message, what)
-    if values.min() < 0:
-        raise Refused("unknown", f"{what} has cells of -1: a risk map knows each cell, 0..100")
-    return geometry, values / 100.0
-
-
-def grid_to_msg(
-    values: NDArray[np.int8], geometry: GridGeometry, stamp: Time, frame: str = names.MAP_FRAME
-) -> OccupancyGrid:
-    """Return the message of a map.
-
-    Parameters
-    ----------
-    values : ndarray of int8, shape (height, width)
-        -1 or 0..100.
-    """
-    if values.dtype != np.int8 or values.shape != geometry.shape:
-        raise ValueError(
-            f"a map of shape {geometry.shape} takes int8, got {values.dtype} of {values.shape}"
-        )
-    message = OccupancyGrid(header=Header(stamp=stamp, frame_id=frame))
-    message.info.map_load_time = stamp
-    message.info.resolution = geometry.resolution
-    message.info.width = geometry.width
-    message.info.height = geometry.height
-    message.info.origin.position.x, message.info.origin.position.y = geometry.origin
-    message.info.origin.orientation.w = 1.0
-    # The setter takes an array of this very type as it is; anything else it copies value
-    # by value, a hundred times slower.
-    data = array("b")
-    data.frombytes(np.ascontiguousarray(values).data.cast("B"))
-    message.data = data
-    return message
-
-
 def path_to_msg(poses: Iterable[Pose2], stamp: Time, frame: str = names.MAP_FRAME) -> Path:
     """Return the message of a path."""
     return Path(
@@ -364,7 +260,7 @@ def path_from_msg(message: Path, frame: str = names.MAP_FRAME, what: str = "path
     """
     if not message.poses:
         return []
-    _check_frame(message.header, frame, what)
+    check_frame(message.header, frame, what)
     return [pose_from_msg(p.pose, f"{what}, pose {i}") for i, p in enumerate(message.poses)]
 
 

@@ -1,23 +1,66 @@
 # Copyright 2026 The fuzzy navigation maintainers
 # SPDX-License-Identifier: Apache-2.0
-"""The mapper's three grids: latched topics, and services for who wants one now."""
+"""The mapper's three grids: latched topics, windows of what is new, and services.
+
+A small map is published whole with every packet. Of a large one each packet's window is
+published, and the whole, which takes a hundred times as long, at a bounded rate; so whoever
+comes late, or follows no windows, sees the newest map within a known time as well.
+"""
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
 import numpy as np
+from fuzzy_msgs.msg import OccupancyGridUpdate
 from nav_msgs.msg import OccupancyGrid
 from nav_msgs.srv import GetMap
 from numpy.typing import NDArray
 from rclpy.node import Node
+from rclpy.publisher import Publisher
 
 from fuzzy_map_building.grid import Window
+from fuzzy_map_building.map_follower import MapWindow
 from fuzzy_map_building.map_grids import MapGrids
 from fuzzy_map_building.mapper import FuzzyMapper
+from fuzzy_map_building.params import PublishingParameters
 from fuzzy_map_building.ros import names, qos
-from fuzzy_map_building.ros.clock import now_seconds, stamp_from_seconds
-from fuzzy_map_building.ros.conversions import grid_to_msg
+from fuzzy_map_building.ros.clock import (
+    nanoseconds_from_stamp,
+    now_seconds,
+    stamp_from_nanoseconds,
+    stamp_from_seconds,
+)
+from fuzzy_map_building.ros.map_conversions import grid_to_msg, window_to_msg
 
 __all__ = ["MapPublisher"]
+
+#: A whole map waits so long for the answers that windows bring about, which are short [s].
+PAUSE: Final = 0.2
+
+
+@dataclass
+class _Map:
+    """One of the maps: where it is published, and what of it has yet to be.
+
+    Attributes
+    ----------
+    grid : callable
+        Returns its cells.
+    published : float
+        When the whole was published last [s of wall time].
+    changed : float or None
+        When it changed first after that [s of wall time].
+    """
+
+    whole: Publisher
+    windows: Publisher
+    grid: Callable[[], NDArray[np.int8]]
+    published: float = 0.0
+    changed: float | None = None
 
 
 class MapPublisher:
@@ -29,28 +72,45 @@ class MapPublisher:
         Whose topics and services they are.
     mapper : FuzzyMapper
         The map published at once, explored or not, so that nobody waits in vain.
+    parameters : PublishingParameters
+        How often the whole maps are published.
+
+    Attributes
+    ----------
+    parameters : PublishingParameters
+        Those in force; may be replaced.
     """
 
-    def __init__(self, node: Node, mapper: FuzzyMapper) -> None:
+    def __init__(self, node: Node, mapper: FuzzyMapper, parameters: PublishingParameters) -> None:
         self._node = node
-        self._motion = node.create_publisher(OccupancyGrid, names.MOTION_MAP, qos.LATCHED)
-        self._planning = node.create_publisher(OccupancyGrid, names.PLANNING_MAP, qos.LATCHED)
-        self._occupancy = node.create_publisher(OccupancyGrid, names.MAP, qos.LATCHED)
+        self.parameters = parameters
+        self._grids = MapGrids(mapper)
+        grids = self._grids
+        # The planner needs its map before the motion asks it for a path on it.
+        self._maps = (
+            self._map(names.PLANNING_MAP, lambda: grids.planning),
+            self._map(names.MOTION_MAP, lambda: grids.motion),
+            self._map(names.MAP, lambda: grids.occupancy),
+        )
         #: Whether a map that tells something was published before simulated time had begun.
         self.undated = False
-        self._grids = MapGrids(mapper)
+        self._stamp = self._began = 0
+        self._anew = True
         self.publish(mapper, window=Window(0, 0, 0, 0))
-        node.create_service(
-            GetMap, names.GET_MOTION_MAP, self._get_motion_map, qos_profile=qos.REQUESTS
-        )
-        node.create_service(
-            GetMap, names.GET_PLANNING_MAP, self._get_planning_map, qos_profile=qos.REQUESTS
-        )
+        for service, grid in (
+            (names.GET_MOTION_MAP, lambda: grids.motion),
+            (names.GET_PLANNING_MAP, lambda: grids.planning),
+        ):
+            node.create_service(GetMap, service, self._getter(grid), qos_profile=qos.REQUESTS)
+
+    def begin(self) -> None:
+        """Count the maps that come as states of a new one, for time has stepped back."""
+        self._anew = True
 
     def publish(
         self, mapper: FuzzyMapper, newest: float = 0.0, window: Window | None = None
     ) -> None:
-        """Publish all three grids, with one stamp.
+        """Publish what is new, with one stamp: all three grids, or their windows.
 
         Parameters
         ----------
@@ -62,22 +122,65 @@ class MapPublisher:
         window : Window, optional
             The cells that may have changed since the last time; all if not given.
         """
-        now = now_seconds(self._node)
-        self.undated = now == 0.0 and mapper.perceptions > 0
-        self._stamp = stamp_from_seconds(max(now, newest))
         self._geometry = mapper.geometry
         self._grids.refresh(mapper, window)
-        self._motion.publish(self._message(self._grids.motion))
-        self._planning.publish(self._message(self._grids.planning))
-        self._occupancy.publish(self._message(self._grids.occupancy))
+        previous = self._stamp
+        now = now_seconds(self._node)
+        self.undated = now == 0.0 and mapper.perceptions > 0
+        stamp = nanoseconds_from_stamp(stamp_from_seconds(max(now, newest)))
+        anew = self._anew or previous == 0
+        if anew:
+            self._stamp = self._began = stamp
+            self._anew = False
+        else:
+            # No two states have one stamp.
+            self._stamp = max(stamp, previous + 1)
+        small = mapper.geometry.width * mapper.geometry.height <= self.parameters.small_map
+        for each in self._maps:
+            if small or anew or window is None or window.empty:
+                self._publish_whole(each)
+            else:
+                self._publish_window(each, previous, window)
+
+    def advance(self) -> None:
+        """Publish a whole map that is due, one at a time; to be called several times a second."""
+        now = time.monotonic()
+        for each in self._maps:
+            if each.changed is None:
+                continue
+            due = max(each.published + self.parameters.period, each.changed + PAUSE)
+            if now >= due:
+                self._publish_whole(each)
+                return
+
+    def _map(self, topic: str, grid: Callable[[], NDArray[np.int8]]) -> _Map:
+        create = self._node.create_publisher
+        return _Map(
+            create(OccupancyGrid, topic, qos.LATCHED),
+            create(OccupancyGridUpdate, names.updates_of(topic), qos.WINDOWS),
+            grid,
+        )
+
+    def _publish_whole(self, each: _Map) -> None:
+        each.whole.publish(self._message(each.grid()))
+        each.published, each.changed = time.monotonic(), None
+
+    def _publish_window(self, each: _Map, previous: int, window: Window) -> None:
+        cells = each.grid()[window.slices]
+        message = window_to_msg(MapWindow(self._began, previous, self._stamp, window, cells))
+        each.windows.publish(message)
+        if each.changed is None:
+            each.changed = time.monotonic()
 
     def _message(self, grid: NDArray[np.int8]) -> OccupancyGrid:
-        return grid_to_msg(grid, self._geometry, self._stamp)
+        stamp, began = map(stamp_from_nanoseconds, (self._stamp, self._began))
+        return grid_to_msg(grid, self._geometry, stamp, began=began)
 
-    def _get_motion_map(self, _: GetMap.Request, response: GetMap.Response) -> GetMap.Response:
-        response.map = self._message(self._grids.motion)
-        return response
+    def _getter(
+        self, grid: Callable[[], NDArray[np.int8]]
+    ) -> Callable[[GetMap.Request, GetMap.Response], GetMap.Response]:
+        def get(_: GetMap.Request, response: GetMap.Response) -> GetMap.Response:
+            response.map = self._message(grid())
+            return response
 
-    def _get_planning_map(self, _: GetMap.Request, response: GetMap.Response) -> GetMap.Response:
-        response.map = self._message(self._grids.planning)
-        return response
+        return get

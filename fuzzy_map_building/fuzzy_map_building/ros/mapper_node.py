@@ -88,7 +88,7 @@ class MapperNode(Node):
         self._folder = MapFolder(p.map_folder)
         self._snapshots = SnapshotWriter(self.get_fully_qualified_name(), p)
         restored, refusal = self._restore()
-        self._maps = MapPublisher(self, self._mapper)
+        self._maps = MapPublisher(self, self._mapper, p.publishing)
         self._turret = self.create_publisher(Float64, names.TURRET_COMMAND, qos.RELIABLE)
         self._diagnostics = Diagnostics(self, self._diagnostic_values, self._problem)
         self._settings.on_refusal = self._diagnostics.reject
@@ -112,7 +112,7 @@ class MapperNode(Node):
         self.create_service(Trigger, names.RESET_MAP, self._on_reset, qos_profile=qos.REQUESTS)
         self.create_service(MapFile, names.SAVE_MAP, self._on_save, qos_profile=qos.REQUESTS)
         self.create_service(MapFile, names.LOAD_MAP, self._on_load, qos_profile=qos.REQUESTS)
-        create_steady_timer(self, TICK, self._advance)
+        create_steady_timer(self, TICK, self._on_tick)
         self._jump = on_clock_set_back(self, self._on_clock_reset)
         self.get_logger().info(
             f"mapping {p.area.size_x:g} x {p.area.size_y:g} m in cells of "
@@ -180,6 +180,7 @@ class MapperNode(Node):
     def _on_clock_reset(self, jump: TimeJump) -> None:
         self._assembler.clear()
         self._forget_readings()
+        self._maps.begin()
         self.get_logger().warning(
             f"the clock went back by {-jump.delta.nanoseconds * 1e-9:.1f} s; "
             "poses and readings that waited were dropped, the map stays (see reset_map)"
@@ -187,6 +188,10 @@ class MapperNode(Node):
         self._build_map.abort("the clock went back")
 
     # What follows from it.
+
+    def _on_tick(self) -> None:
+        self._advance()
+        self._maps.advance()
 
     def _advance(self) -> None:
         now = now_seconds(self)
@@ -251,6 +256,7 @@ class MapperNode(Node):
         self._gatherer = InfraredGatherer(parameters)
         self._packet.clear()
         self._build_map.abort("a parameter was changed")
+        self._maps.parameters = parameters.publishing
         self._maps.publish(self._mapper)
 
     # Services.

@@ -62,6 +62,11 @@ BUILD_MAP: Final = "build_map"
 NAVIGATE: Final = "navigate"
 
 
+def updates_of(topic: str) -> str:
+    """Return the topic of the windows of a map, ``<topic>_updates``."""
+    return f"{topic}_updates"
+
+
 def sonar_frame(index: int) -> str:
     """Return the frame of sonar number `index`, ``sonar_<index>``."""
     return f"sonar_{index}"

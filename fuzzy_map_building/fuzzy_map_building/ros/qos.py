@@ -40,6 +40,9 @@ RELIABLE: Final = _profile(10)
 #: Maps, plans: whoever subscribes later receives the last one.
 LATCHED: Final = _profile(1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
+#: Windows of maps: each goes on from the one before.
+WINDOWS: Final = _profile(50)
+
 #: Requests of services and actions: so many may wait while one is served. The default of ROS
 #: is 10; what comes on top of a full queue is lost without a word to anybody.
 REQUESTS: Final = _profile(200)

@@ -16,10 +16,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping
 from typing import Final
 
-import numpy as np
 from geometry_msgs.msg import PoseStamped, Twist
-from nav_msgs.msg import OccupancyGrid
-from numpy.typing import NDArray
 from rclpy.duration import Duration
 from rclpy.node import Node
 from sensor_msgs.msg import Range
@@ -30,7 +27,6 @@ from fuzzy_map_building.ros.clock import create_steady_timer, now_seconds, secon
 from fuzzy_map_building.ros.conversions import (
     Refused,
     range_from_msg,
-    risk_from_msg,
     stamped_pose_from_msg,
     twist_to_msg,
 )
@@ -39,7 +35,6 @@ from fuzzy_map_building.ros.parameters import declare_parameters
 from fuzzy_map_building.ros.run import spin_node
 from fuzzy_map_building.sonar_guard import warm_up
 from fuzzy_navigation.control_tick import SILENCE, ControlTicks, Tick, Untimely
-from fuzzy_navigation.map_times import MapTimes
 from fuzzy_navigation.mission import Mission
 from fuzzy_navigation.mission_types import (
     Commands,
@@ -52,9 +47,11 @@ from fuzzy_navigation.mission_types import (
 from fuzzy_navigation.params import MOTION_PRESETS, MotionParameters, motion_parameters
 from fuzzy_navigation.planner import PlanResult
 from fuzzy_navigation.pose_time import PoseTime
+from fuzzy_navigation.risk import check_effort
 from fuzzy_navigation.ros.backlog import take_waiting
 from fuzzy_navigation.ros.echo_listener import EchoListener
 from fuzzy_navigation.ros.faulty_ranges import usable
+from fuzzy_navigation.ros.followed_map import FollowedMap, NewMap, NewWindow
 from fuzzy_navigation.ros.navigate_server import NavigateServer
 from fuzzy_navigation.ros.partners import MapperClient, PlannerClient
 from fuzzy_navigation.ros.requests import requested_pose
@@ -88,8 +85,7 @@ class MotionNode(Node):
         self._time = PoseTime()
         self._mission = Mission(parameters)
         self._stale_parameters = False
-        self._map: tuple[GridGeometry, NDArray[np.float64], float] | None = None
-        self._map_times = MapTimes("the motion map")
+        self._map: tuple[GridGeometry, float] | None = None  # and its stamp [s]
         self._last_tick = -math.inf
         self._last_report = -math.inf
         self._reported: tuple[object, ...] = ()
@@ -110,7 +106,15 @@ class MotionNode(Node):
         self._echoes: EchoListener | None = None
         self._listen(parameters)
         self.create_subscription(PoseStamped, names.POSE, self._on_pose, qos.RELIABLE)
-        self.create_subscription(OccupancyGrid, names.MOTION_MAP, self._on_map, qos.LATCHED)
+        self._followed = FollowedMap(
+            self,
+            names.MOTION_MAP,
+            "the motion map",
+            self._diagnostics,
+            self._admit,
+            self._on_map,
+            self._on_window,
+        )
         self.create_subscription(PoseStamped, names.GOAL_POSE, self._on_goal_pose, qos.RELIABLE)
         create_steady_timer(self, WATCH_PERIOD, self._watch)
 
@@ -168,16 +172,22 @@ class MotionNode(Node):
         delay = now_seconds(self) - tick.stamp
         self._carry_out(self._mission.on_pose(now, tick.pose, tick.readings, sonar, delay))
 
-    def _on_map(self, message: OccupancyGrid) -> None:
-        try:
-            geometry, risk = risk_from_msg(message, "the motion map")
-            stamp = seconds_from_stamp(message.header.stamp)
-            self._map_times.check(self._clock_time(), stamp)
-        except (Refused, Untimely) as refusal:
-            self._diagnostics.reject(names.MOTION_MAP, refusal.reason, str(refusal))
-            return
-        self._map = (geometry, risk, stamp)
-        self._carry_out(self._mission.on_map(self._now(), *self._map))
+    def _admit(self, geometry: GridGeometry) -> None:
+        p = self._settings.values
+        check_effort(geometry, p.robot_radius, p.augmentation)
+
+    def _on_map(self, new: NewMap) -> None:
+        stamp = seconds_from_stamp(new.stamp)
+        commands = self._mission.on_map(self._now(), new.geometry, new.risk, stamp)
+        self._map = (new.geometry, stamp)
+        self._carry_out(commands)
+
+    def _on_window(self, new: NewWindow) -> None:
+        assert self._map is not None
+        stamp = seconds_from_stamp(new.stamp)
+        commands = self._mission.on_window(self._now(), new.risk, new.window, stamp)
+        self._map = (self._map[0], stamp)
+        self._carry_out(commands)
 
     def _on_perception(self, request: int, ok: bool, message: str) -> None:
         self._carry_out(self._mission.on_perception(self._now(), request, ok, message))
@@ -257,7 +267,7 @@ class MotionNode(Node):
                 self._mapper.ask(command.request, self._settings.values.timeout.server)
             elif isinstance(command, Plan):
                 assert self._map is not None
-                self._planner.ask(command, self._map[2], self._settings.values.timeout.server)
+                self._planner.ask(command, self._map[1], self._settings.values.timeout.server)
             else:
                 self._finish(command)
         self._report()
@@ -284,12 +294,13 @@ class MotionNode(Node):
         if not self._stale_parameters or self._mission.active:
             return
         self._stale_parameters = False
+        known = self._mission.motion_map
         self._mission = Mission(self._settings.values)
         self._ticks.max_age = self._settings.values.timeout.pose
         self._listen(self._settings.values)
         self._missions_before = self._missions
-        if self._map is not None:
-            self._mission.on_map(self._now(), *self._map)
+        if self._map is not None and known is not None:
+            self._mission.on_map(self._now(), self._map[0], known, self._map[1])
 
     # -- what it shows ----------------------------------------------------------------------
 
@@ -321,7 +332,8 @@ class MotionNode(Node):
             "distance_remaining": f"{feedback.distance_remaining:.3f}",
         }
         if self._map is not None:
-            values["map_stamp"] = f"{self._map[2]:.3f}"
+            values["map_stamp"] = f"{self._map[1]:.3f}"
+        values.update(self._followed.values())
         values.update(sorted(self._counts.items()))
         return values
 

@@ -287,7 +287,7 @@ def plan_result(response: PlanPath.Response) -> PlanResult:
         raise ValueError(f"the planner answered with the impossible alpha {response.alpha}")
     return PlanResult(
         PlanStatus(response.status),
-        response.message,
+        response.message or "the planner gave no reason",
         poses=tuple(path_from_msg(response.path, what="the planner's path")),
         g1=response.g1,
         g2=response.g2,

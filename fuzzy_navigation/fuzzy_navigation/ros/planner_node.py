@@ -9,7 +9,6 @@ planner knew it.
 
 from __future__ import annotations
 
-import math
 import sys
 import time
 from collections import Counter
@@ -19,21 +18,21 @@ from typing import Final
 from builtin_interfaces.msg import Time
 from fuzzy_msgs.srv import PlanPath
 from geometry_msgs.msg import PoseStamped
-from nav_msgs.msg import OccupancyGrid, Path
+from nav_msgs.msg import Path
 from nav_msgs.srv import GetPlan
 from rclpy.node import Node
 
 from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.ros import names, qos
-from fuzzy_map_building.ros.clock import now_seconds, seconds_from_stamp
-from fuzzy_map_building.ros.conversions import Refused, path_to_msg, risk_from_msg
+from fuzzy_map_building.ros.clock import seconds_from_stamp
+from fuzzy_map_building.ros.conversions import Refused, path_to_msg
 from fuzzy_map_building.ros.diagnostics import Diagnostics
 from fuzzy_map_building.ros.parameters import declare_parameters
 from fuzzy_map_building.ros.run import spin_node
-from fuzzy_navigation.control_tick import Untimely
-from fuzzy_navigation.map_times import MapTimes
 from fuzzy_navigation.params import PLANNER_PRESETS, PlannerParameters, planner_parameters
 from fuzzy_navigation.planner import Planner, PlanResult, PlanStatus
+from fuzzy_navigation.risk import check_effort
+from fuzzy_navigation.ros.followed_map import FollowedMap, NewMap, NewWindow
 from fuzzy_navigation.ros.requests import requested_pose
 from fuzzy_navigation.search import warm_up
 
@@ -60,31 +59,39 @@ class PlannerNode(Node):
         )
         self._planner = Planner(_NOWHERE, self._settings.values)
         self._map_stamp: Time | None = None
-        self._map_times = MapTimes("the planning map")
         self._answers: Counter[str] = Counter()
         self._last_time = 0.0
         warm_up()  # before the first request, which would otherwise wait for the compiler
         self._diagnostics = Diagnostics(self, values=self._values, problem=self._problem)
         self._settings.on_refusal = self._diagnostics.reject
         self._plan_publisher = self.create_publisher(Path, names.PLAN, qos.LATCHED)
-        self.create_subscription(OccupancyGrid, names.PLANNING_MAP, self._on_map, qos.LATCHED)
+        self._followed = FollowedMap(
+            self,
+            names.PLANNING_MAP,
+            "the planning map",
+            self._diagnostics,
+            self._admit,
+            self._on_map,
+            self._on_window,
+        )
         self.create_service(
             PlanPath, names.PLAN_PATH, self._on_plan_path, qos_profile=qos.REQUESTS
         )
         self.create_service(GetPlan, names.GET_PLAN, self._on_get_plan, qos_profile=qos.REQUESTS)
 
-    def _on_map(self, message: OccupancyGrid) -> None:
-        try:
-            geometry, risk = risk_from_msg(message, "the planning map")
-            stamp = seconds_from_stamp(message.header.stamp)
-            self._map_times.check(now_seconds(self) or math.inf, stamp)
-        except (Refused, Untimely) as refusal:
-            self._diagnostics.reject(names.PLANNING_MAP, refusal.reason, str(refusal))
-            return
-        if geometry != self._planner.geometry:
-            self._planner = Planner(geometry, self._settings.values)
-        self._planner.set_map(risk)
-        self._map_stamp = message.header.stamp
+    def _admit(self, geometry: GridGeometry) -> None:
+        p = self._settings.values
+        check_effort(geometry, p.robot_radius, p.augmentation)
+
+    def _on_map(self, new: NewMap) -> None:
+        if new.geometry != self._planner.geometry:
+            self._planner = Planner(new.geometry, self._settings.values)
+        self._planner.set_map(new.risk)
+        self._map_stamp = new.stamp
+
+    def _on_window(self, new: NewWindow) -> None:
+        self._planner.update_map(new.risk, new.window)
+        self._map_stamp = new.stamp
 
     def _use_parameters(self, parameters: PlannerParameters) -> None:
         self._planner.parameters = parameters
@@ -167,6 +174,7 @@ class PlannerNode(Node):
         values["last_planning_time"] = f"{self._last_time:.6f}"
         if self._map_stamp is not None:
             values["map_stamp"] = f"{seconds_from_stamp(self._map_stamp):.3f}"
+        values.update(self._followed.values())
         return values
 
     def _problem(self) -> str:

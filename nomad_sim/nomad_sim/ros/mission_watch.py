@@ -33,11 +33,11 @@ from unique_identifier_msgs.msg import UUID
 from fuzzy_map_building.ros import names, qos
 from fuzzy_map_building.ros.clock import seconds_from_stamp
 from fuzzy_map_building.ros.conversions import (
-    grid_from_msg,
     path_from_msg,
     pose_to_msg,
     stamped_pose_from_msg,
 )
+from fuzzy_map_building.ros.map_conversions import grid_from_msg
 from fuzzy_map_building.types import Pose2
 from fuzzy_navigation.mission_types import LogEntry, Outcome, Phase, Stop
 from nomad_sim.ros.mission_record import MapSnapshot, MissionRecord, Verdict

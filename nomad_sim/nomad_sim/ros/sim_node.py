@@ -35,8 +35,9 @@ from std_srvs.srv import Trigger
 
 from fuzzy_map_building.ros import names, qos
 from fuzzy_map_building.ros.clock import create_steady_timer, seconds_from_stamp
-from fuzzy_map_building.ros.conversions import Refused, grid_to_msg, twist_from_msg
+from fuzzy_map_building.ros.conversions import Refused, twist_from_msg
 from fuzzy_map_building.ros.diagnostics import Diagnostics
+from fuzzy_map_building.ros.map_conversions import grid_to_msg
 from fuzzy_map_building.ros.parameters import declare_parameters
 from fuzzy_map_building.ros.run import spin_node
 from nomad_sim.fault_injection import FaultInjector

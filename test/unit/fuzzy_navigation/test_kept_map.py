@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from fuzzy_map_building.grid import GridGeometry, Window
+from fuzzy_map_building.occupancy import Hundredths
 from fuzzy_navigation import planning_map
 from fuzzy_navigation.params import PlannerParameters
 from fuzzy_navigation.planner import Planner, PlanStatus
@@ -93,6 +94,33 @@ def test_hundredths_are_planned_on_as_any_risks_are(monkeypatch, options, patien
     # What one request marks, the next does not see.
     assert all(same_answer(*pair) for pair in zip(plans(coded), plans(coded), strict=True))
     np.testing.assert_array_equal(coded.augmented_risk, exact.augmented_risk)
+
+
+@pytest.mark.parametrize("footprint", ["square", "disc"])
+def test_bytes_make_the_map_that_risks_make(footprint):
+    """Whole maps, one after the other, and windows, in hundredths against the same in floats."""
+    rng = np.random.default_rng(8)
+    planner = Planner(GEOMETRY, PlannerParameters(robot_radius=0.23, augmentation=footprint))
+    for k in range(12):
+        risk = random_map(rng)
+        given = Hundredths(np.rint(100.0 * risk).astype(np.int8))
+        planner.set_map(given)
+        window = Window(k, k + 5, 3 * k, 3 * k + 8)
+        risk[window.slices] = random_map(rng, window.shape)
+        if k == 6:
+            risk[k, 3 * k] += BELOW  # then a part in hundredths comes into a map of others
+            planner.set_map(np.where(risk > 1.0, 1.0, risk))
+        cells = np.rint(100.0 * risk[window.slices]).astype(np.int8)
+        planner.update_map(Hundredths(cells), window)
+        expected = augment((100.0 * risk).round() / 100.0, 0.23, 0.1, footprint)
+        np.testing.assert_array_equal(planner.augmented_risk, expected)
+        # What was handed over stays what it was.
+        given.codes[:] = 0
+        np.testing.assert_array_equal(planner.augmented_risk, expected)
+    with pytest.raises(ValueError, match=r"shape \(2, 2\)"):
+        planner.set_map(Hundredths(np.zeros((2, 2), np.int8)))
+    with pytest.raises(ValueError, match=r"shape \(2, 2\)"):
+        planner.update_map(Hundredths(np.zeros((2, 2), np.int8)), Window(0, 1, 0, 1))
 
 
 def test_another_robot_augments_anew():

@@ -7,6 +7,8 @@ import math
 import numpy as np
 import pytest
 
+from fuzzy_map_building.grid import Window
+from fuzzy_map_building.occupancy import Hundredths
 from fuzzy_map_building.types import Pose2
 from fuzzy_navigation.mission_types import (
     Drive,
@@ -134,6 +136,34 @@ def test_a_map_from_before_the_perception_does_not_count() -> None:
     assert mission.on_map(script.now, GEOMETRY, script.risk, stamp=script.now - 1.0) == ()
     follow = mission.on_map(script.now, GEOMETRY, script.risk, stamp=script.now)
     assert [type(c) for c in follow] == [Plan]
+
+
+def test_a_window_is_a_map_that_has_come_and_stops_the_robot_where_it_closes_the_way() -> None:
+    script = Script()
+    script.tick()
+    mission = script.mission
+    window = Window(0, 1, 0, 1)
+    corner = Hundredths(np.zeros((1, 1), np.int8))
+    with pytest.raises(ValueError, match="first motion map must be whole"):
+        mission.on_window(script.now, corner, window)
+    codes = np.rint(100.0 * script.risk).astype(np.int8)
+    mission.on_map(script.now, GEOMETRY, Hundredths(codes))
+    (perceive,) = script.start(*GOAL)
+    assert isinstance(perceive, Perceive)
+    assert mission.on_perception(script.now, perceive.request, True) == ()
+    assert mission.on_window(script.now, corner, window, stamp=script.now - 1.0) == ()
+    follow = script.take(mission.on_window(script.now, corner, window, stamp=script.now))
+    assert [type(c) for c in follow] == [Plan]
+    script.plan(follow, cells_along((1.05, 2.05), GOAL))
+    for _ in range(20):
+        script.tick()
+    # A wall across all of the way but where the robot is now.
+    x = script.pose.x + 0.6
+    column = GEOMETRY.cell_of(x, script.pose.y)[1]
+    wall = Window(0, GEOMETRY.height, column, column + 1)
+    mission.on_window(script.now, Hundredths(np.full(wall.shape, 100, np.int8)), wall)
+    assert any(isinstance(command, Perceive) for command in script.run())
+    assert script.pose.x < x - 0.1
 
 
 def test_the_log_has_an_entry_for_each_perception() -> None:
