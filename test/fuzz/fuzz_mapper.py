@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import contextlib
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from std_srvs.srv import Trigger
 
 from fuzz import messages
 from fuzz.draw import Draw
+from fuzz.followed import Followed
 from fuzz.nodes import Bench, GoalHandle, finished, node_of
 from fuzz.surface import Surface, Target, check_words, scratch_folder
 from fuzzy_map_building.infrared_gathering import InfraredGatherer
@@ -38,7 +39,10 @@ ARRAYS = ("empty", "occupied", "motion_risk", "planning_risk", "count")
 class Case:
     """One case: a mapper that knows nothing, and whatever happens to it."""
 
-    def __init__(self, node: MapperNode, bench: Bench, counts: Counter[str]) -> None:
+    def __init__(
+        self, node: MapperNode, bench: Bench, counts: Counter[str], followed: Sequence[Followed]
+    ) -> None:
+        self.followed = followed
         self.node = node
         self.bench = bench
         self.counts = counts
@@ -51,6 +55,7 @@ class Case:
         node._build_map._goal = None
         node._build_map._outcomes.clear()
         bench.begin()
+        node._maps.publish(node._mapper)
         self.pose = (0.6, 0.5)
         self.angle = 0.0
         self.goals: list[GoalHandle] = []
@@ -64,6 +69,7 @@ class Case:
 
     def check(self) -> None:
         """Hold what must be true after every call."""
+        self.node._maps.advance()
         now = self._maps()
         if now[0] == self.before[0] and not self.may_change:
             for name, old, new in zip(ARRAYS, self.before[1:], now[1:], strict=True):
@@ -72,6 +78,8 @@ class Case:
             assert ((values >= 0.0) & (values <= 1.0)).all(), f"{name} left [0, 1]"
         assert (now[5] <= now[0]).all()
         assert self.node._assembler.waiting <= MOST_WAITING
+        for followed in self.followed:
+            followed.check()
         self.before = now
         self.may_change = False
 
@@ -169,8 +177,9 @@ class Case:
             self.may_change = answer.success and name == "load"
         else:
             self.counts["get_map"] += 1
-            for get in (self.node._maps._get_motion_map, self.node._maps._get_planning_map):
-                values = np.asarray(get(GetMap.Request(), GetMap.Response()).map.data)
+            for service in (s for s in self.node.services if s.srv_type is GetMap):
+                answer = service.callback(GetMap.Request(), GetMap.Response())
+                values = np.asarray(answer.map.data)
                 assert values.min() >= 0
                 assert values.max() <= 100
 
@@ -221,15 +230,18 @@ def _opened(mode: str, counts: Counter[str]) -> Iterator[Target]:
             "area.size_y": 1.5,
             "area.resolution": 0.15,
             "map_folder": folder,
+            # On demand the map is a small one, else each packet's window is published.
+            "publishing.small_map": 1000 if mode == "on_demand" else 0,
         }
         with node_of(MapperNode, parameters, [clock]) as (node, bench):
             node._turret.publish = _TurretCheck(node, node._turret.publish)
+            followed = [Followed(each) for each in node._maps._maps[:2]]
             (folder / "junk").write_bytes(b"PK")
             (folder / "a").write_bytes(b"")
 
             def target(data: bytes) -> None:
                 draw = Draw(data)
-                case = Case(node, bench, counts)
+                case = Case(node, bench, counts, followed)
                 for _ in range(MOST_CALLS):
                     if not draw.left:
                         break
@@ -255,6 +267,7 @@ class _TurretCheck:
 def _parameters_opened(counts: Counter[str]) -> Iterator[Target]:
     parameters = {"preset": "consistent", "area.size_x": 1.8, "area.size_y": 1.5}
     with node_of(MapperNode, parameters, [clock]) as (node, bench):
+        followed = [Followed(each) for each in node._maps._maps[:2]]
         names = [*flatten(node._settings.values), "preset", "use_sim_time"]
         start = node._settings.values
         good = [p.to_parameter_msg() for p in node.get_parameters(list(flatten(start)))]
@@ -264,7 +277,7 @@ def _parameters_opened(counts: Counter[str]) -> Iterator[Target]:
             changeable = [p for p in good if not _read_only(node, p.name)]
             if node._settings.values != start:
                 bench.set_parameters(changeable)
-            case = Case(node, bench, counts)
+            case = Case(node, bench, counts, followed)
             for _ in range(4):
                 if not draw.left:
                     break

@@ -40,6 +40,8 @@ __all__ = ["MapPublisher"]
 
 #: A whole map waits so long for the answers that windows bring about, which are short [s].
 PAUSE: Final = 0.2
+#: Two maps whose time begins at one moment are told apart by less than this [ns].
+DOUBT: Final = 1_000_000
 
 
 @dataclass
@@ -130,8 +132,9 @@ class MapPublisher:
         stamp = nanoseconds_from_stamp(stamp_from_seconds(max(now, newest)))
         anew = self._anew or previous == 0
         if anew:
-            self._stamp = self._began = stamp
-            self._anew = False
+            self._stamp, self._anew = stamp, False
+            # Where simulated time is set back again and again, it begins at the same times.
+            self._began = max(0, stamp - time.time_ns() % DOUBT)
         else:
             # No two states have one stamp.
             self._stamp = max(stamp, previous + 1)
