@@ -20,13 +20,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy_map_building.infrared_packet import InfraredPacket
+from fuzzy_map_building.jit import for_kernel, njit
 from fuzzy_map_building.sensor_params import (
     InfraredParameters,
     SonarGuardParameters,
     SonarParameters,
 )
 from fuzzy_map_building.sonar_packet import SonarPacket
-from fuzzy_map_building.types import InfraredReading, Pose2, SonarReading, wrap_angle
+from fuzzy_map_building.types import InfraredReading, Pose2, SonarReading
 
 __all__ = ["cut_rays", "guard_points", "ray_limits", "rim_points"]
 
@@ -41,9 +42,8 @@ RIM_SPREAD = math.radians(26.0)
 
 def guard_points(
     sonar: Sequence[SonarReading],
-    infrared: Sequence[InfraredReading],
+    hits: FloatArray,
     sonar_p: SonarParameters,
-    infrared_p: InfraredParameters,
     guard: SonarGuardParameters,
     reach: float,
     robot_radius: float,
@@ -62,10 +62,11 @@ def guard_points(
     Parameters
     ----------
     sonar : sequence of SonarReading
-    infrared : sequence of InfraredReading
-        Readings of either kind, each placed at its own pose.
-    sonar_p, infrared_p : SonarParameters, InfraredParameters
-        The two rings.
+        Readings, each placed at its own pose.
+    hits : ndarray of float64, shape (m, 2)
+        Points (x, y) [m] in ``map`` that infrareds hit.
+    sonar_p : SonarParameters
+        The ring of sonars.
     guard : SonarGuardParameters
         The rule; whether it is enabled is for the caller to look at.
     reach : float
@@ -81,8 +82,7 @@ def guard_points(
     short = _short(sonar, sonar_p, reach + robot_radius)
     if not short:
         return np.zeros((0, 2))
-    seen = InfraredPacket.from_readings(infrared, infrared_p)
-    centre, direction, distance = _unexplained(short, seen.hit_points(), sonar_p, guard)
+    centre, direction, distance = _unexplained(short, hits, sonar_p, guard)
     if not len(distance):
         return np.zeros((0, 2))
     angles = direction[:, None] + np.array([0.0, guard.spread, -guard.spread])
@@ -97,26 +97,24 @@ def guard_points(
 
 def rim_points(
     sonar: Sequence[SonarReading],
-    infrared: Sequence[InfraredReading],
     known: FloatArray,
     sonar_p: SonarParameters,
-    infrared_p: InfraredParameters,
     guard: SonarGuardParameters,
     robot_radius: float,
 ) -> FloatArray:
     """Return hit points of the returns from too close to measure that nothing explains.
 
     Such a return (``-inf``) tells that something is nearer than the sonar's least range, not
-    how near. Unless an infrared hit or a point that is known already explains it, as in
-    `guard_points`, it may touch the body by now: it stands for three points on its rim, one on
-    the return's axis and one at `RIM_SPREAD` on either side.
+    how near. Unless a point that is known already explains it, as a hit does in `guard_points`,
+    it may touch the body by now: it stands for three points on its rim, one on the return's
+    axis and one at `RIM_SPREAD` on either side.
 
     Parameters
     ----------
-    sonar, infrared, sonar_p, infrared_p, guard, robot_radius
+    sonar, sonar_p, guard, robot_radius
         As for `guard_points`.
     known : ndarray of float64, shape (m, 2)
-        Points (x, y) [m] where something was seen or heard before.
+        Points (x, y) [m] where something is seen, or was seen or heard before.
 
     Returns
     -------
@@ -126,8 +124,7 @@ def rim_points(
     close = [reading for reading in sonar if reading.range == -math.inf]
     if not close:
         return np.zeros((0, 2))
-    hits = np.vstack((InfraredPacket.from_readings(infrared, infrared_p).hit_points(), known))
-    centre, direction, _ = _unexplained(close, hits, sonar_p, guard)
+    centre, direction, _ = _unexplained(close, known, sonar_p, guard)
     angles = direction[:, None] + np.array([0.0, RIM_SPREAD, -RIM_SPREAD])
     rays = np.stack((np.cos(angles), np.sin(angles)), axis=2)
     points: FloatArray = (centre[:, None, :] + robot_radius * rays).reshape(-1, 2)
@@ -147,8 +144,10 @@ def cut_rays(
 
     Parameters
     ----------
-    sonar, infrared, sonar_p, infrared_p, guard, reach, robot_radius
+    sonar, sonar_p, guard, reach, robot_radius
         As for `guard_points`.
+    infrared, infrared_p : sequence of InfraredReading, InfraredParameters
+        Readings, each placed at its own pose, and their ring.
 
     Returns
     -------
@@ -200,11 +199,8 @@ def ray_limits(
 
 def warm_up() -> None:
     """Compile the kernels called here, or load them from the cache."""
-    here = Pose2(0.0, 0.0)
-    rings = (SonarParameters(), InfraredParameters(), SonarGuardParameters())
-    guard_points(
-        [SonarReading(here, 0.0, 0.5)], [InfraredReading(here, 1.0, 0.5)], *rings, 1.0, 0.0
-    )
+    short = [SonarReading(Pose2(0.0, 0.0), 0.0, 0.5)]
+    guard_points(short, np.ones((1, 2)), SonarParameters(), SonarGuardParameters(), 1.0, 0.0)
 
 
 def _short(
@@ -244,22 +240,54 @@ def _unexplained(
     guard: SonarGuardParameters,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return centre, direction and distance of those of some returns that have no hit."""
-    # Numbers, not arrays: this is asked at every tick of the control, about few of both.
-    points = hits.tolist()
-    table = []
-    for r in short:
-        x, y, direction = r.pose.x, r.pose.y, r.pose.theta + r.bearing
-        distance = max(r.range, sonar_p.min_range) + sonar_p.mount_radius
-        farthest = distance + guard.slack + _ROUNDING
-        for u, v in points:
-            if math.hypot(u - x, v - y) <= farthest:
-                off = wrap_angle(math.atan2(v - y, u - x) - direction)
-                if abs(off) <= guard.angle + _ROUNDING:
+    low, radius = sonar_p.min_range, sonar_p.mount_radius
+    rows = np.array(
+        [
+            (r.pose.x, r.pose.y, r.pose.theta + r.bearing, max(r.range, low) + radius)
+            for r in short
+        ],
+        dtype=np.float64,
+    )
+    count = _keep_unexplained(for_kernel(rows), for_kernel(hits), guard.angle, guard.slack)
+    return rows[:count, :2], rows[:count, 2], rows[:count, 3]
+
+
+@njit
+def _keep_unexplained(returns: FloatArray, hits: FloatArray, widest: float, slack: float) -> int:
+    """Move those of some returns that no hit explains to the front; tell how many they are.
+
+    Parameters
+    ----------
+    returns : ndarray of float64, shape (n, 4)
+        Centre x, y [m], direction [rad] and distance from there [m] of each.
+    hits : ndarray of float64, shape (m, 2)
+        Points (x, y) [m] that may explain them.
+    widest, slack : float
+        How far from a return's axis [rad], and how much farther away [m], a hit may lie.
+    """
+    kept = 0
+    for i in range(len(returns)):
+        x = returns[i, 0]
+        y = returns[i, 1]
+        direction = returns[i, 2]
+        distance = returns[i, 3]
+        explained = False
+        for k in range(len(hits)):
+            dx = hits[k, 0] - x
+            dy = hits[k, 1] - y
+            if math.hypot(dx, dy) <= distance + slack + _ROUNDING:
+                off = math.atan2(dy, dx) - direction
+                off = (off + math.pi) % (2.0 * math.pi) - math.pi
+                if abs(off) <= widest + _ROUNDING:
+                    explained = True
                     break
-        else:
-            table.append((x, y, direction, distance))
-    rows = np.array(table, dtype=np.float64).reshape(-1, 4)
-    return rows[:, :2], rows[:, 2], rows[:, 3]
+        if not explained:
+            returns[kept, 0] = x
+            returns[kept, 1] = y
+            returns[kept, 2] = direction
+            returns[kept, 3] = distance
+            kept += 1
+    return kept
 
 
 def _vetoed(

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fuzzy_map_building.jit import for_kernel, njit
 from fuzzy_map_building.types import InfraredReading, RangeReading
 from fuzzy_navigation.params import InfraredParameters
 
@@ -18,6 +19,7 @@ __all__ = [
     "approach_speed",
     "clearance_at",
     "hit_points",
+    "nearest_square",
 ]
 
 Points = NDArray[np.float64]
@@ -80,12 +82,30 @@ def clearance_at(points: ArrayLike, hits: Points, robot_radius: float) -> NDArra
         Distance from the body to the nearest hit point [m]; +inf without any.
     """
     positions = np.asarray(points, dtype=np.float64).reshape(-1, 2)
-    if len(hits) == 0:
-        return np.full(len(positions), np.inf)
-    offsets = positions[:, None, :] - hits[None, :, :]
-    nearest = np.sqrt((offsets**2).sum(axis=2).min(axis=1))
-    clearance: NDArray[np.float64] = nearest - robot_radius
-    return clearance
+    clearances = np.empty(len(positions))
+    _clearances(for_kernel(positions), for_kernel(hits), robot_radius, for_kernel(clearances))
+    return clearances
+
+
+@njit
+def nearest_square(x: float, y: float, hits: Points) -> float:
+    """Return the squared distance [m^2] from (x, y) [m] to the nearest hit point."""
+    square = math.inf
+    for k in range(len(hits)):
+        dx = x - hits[k, 0]
+        dy = y - hits[k, 1]
+        square = min(square, dx * dx + dy * dy)
+    return square
+
+
+@njit
+def _clearances(
+    places: Points, hits: Points, robot_radius: float, clearances: NDArray[np.float64]
+) -> None:
+    """Fill in the clearances at some places, as `clearance_at` says."""
+    for i in range(len(places)):
+        square = nearest_square(places[i, 0], places[i, 1], hits)
+        clearances[i] = math.sqrt(square) - robot_radius
 
 
 def approach_speed(clearance: float, deceleration: float, latency: float) -> float:
@@ -154,7 +174,6 @@ class InfraredRing:
         if self._hits is None or self._hits[:2] != (now, limit):
             p = self._parameters
             points = hit_points(self.present(now, limit), p.mount_radius, p.min_range, p.max_range)
-            points.flags.writeable = False
             self._hits = now, limit, points
         return self._hits[2]
 

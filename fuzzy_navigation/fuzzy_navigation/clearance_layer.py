@@ -19,7 +19,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fuzzy_map_building.grid import GridGeometry
-from fuzzy_navigation.clearance import clearance_at
+from fuzzy_map_building.jit import for_kernel, njit
+from fuzzy_navigation.clearance import clearance_at, nearest_square
 from fuzzy_navigation.layer_params import LayerParameters
 from fuzzy_navigation.plan_types import RiskLayer
 
@@ -30,6 +31,7 @@ __all__ = [
     "clearance_layer",
     "clearance_risk",
     "places_in_cell",
+    "warm_up",
 ]
 
 Floats = NDArray[np.float64]
@@ -66,12 +68,25 @@ def clearance_risk(clearance: ArrayLike, parameters: LayerParameters) -> Floats:
         `free`.
     """
     c = np.asarray(clearance, dtype=np.float64)
+    risk = np.empty(c.shape)
     p = parameters
-    near = LIMIT_RISK + (1.0 - LIMIT_RISK) * (p.limit - c) / (p.limit - p.closed)
-    far = (LIMIT_RISK - STEP) * (p.free - c) / (p.free - p.limit)
-    # Not np.select: this happens at every tick of the control, and that takes three times as long.
-    open_risk = np.where(c <= p.limit, near, np.where(c < p.free, far, 0.0))
-    return np.where(c < p.closed, CLOSED_RISK, open_risk)
+    _risks(for_kernel(c.reshape(-1)), p.closed, p.limit, p.free, for_kernel(risk.reshape(-1)))
+    return risk
+
+
+@njit
+def _risks(clearance: Floats, closed: float, limit: float, free: float, risk: Floats) -> None:
+    """Fill in the risk of some places, all shape (n,), as `clearance_risk` says."""
+    for i in range(len(clearance)):
+        c = clearance[i]
+        if c < closed:
+            risk[i] = CLOSED_RISK
+        elif c <= limit:
+            risk[i] = LIMIT_RISK + (1.0 - LIMIT_RISK) * (limit - c) / (limit - closed)
+        elif c < free:
+            risk[i] = (LIMIT_RISK - STEP) * (free - c) / (free - limit)
+        else:
+            risk[i] = 0.0
 
 
 def places_in_cell(shift: float) -> Floats:
@@ -94,8 +109,29 @@ def places_in_cell(shift: float) -> Floats:
 def _clearances(centres: ArrayLike, hits: Floats, robot_radius: float, shift: float) -> Floats:
     """Return the clearance [m] at the nine places in each of some cells, shape (m, 9)."""
     cells = np.asarray(centres, dtype=np.float64).reshape(-1, 2)
-    places = (cells[:, None, :] + places_in_cell(shift)).reshape(-1, 2)
-    return clearance_at(places, hits, robot_radius).reshape(-1, 9)
+    clearances = np.empty((len(cells), 9))
+    _at_places(for_kernel(cells), for_kernel(hits), robot_radius, shift, for_kernel(clearances))
+    return clearances
+
+
+@njit
+def _at_places(
+    cells: Floats, hits: Floats, robot_radius: float, shift: float, clearances: Floats
+) -> None:
+    """Fill in what `_clearances` returns; the places are in the order of `places_in_cell`."""
+    for i in range(len(cells)):
+        place = 0
+        for x in (cells[i, 0], cells[i, 0] - shift, cells[i, 0] + shift):
+            for y in (cells[i, 1], cells[i, 1] - shift, cells[i, 1] + shift):
+                clearances[i, place] = math.sqrt(nearest_square(x, y, hits)) - robot_radius
+                place += 1
+
+
+def warm_up() -> None:
+    """Compile the kernels called here, or load them from the cache."""
+    place = np.zeros((1, 2))
+    clearance_risk(clearance_at(place, place, 0.0), LayerParameters())
+    best_clearance(place, place, 0.0, 0.0)
 
 
 def best_clearance(centres: ArrayLike, hits: Floats, robot_radius: float, shift: float) -> Floats:

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -54,6 +55,8 @@ class Follower:
         self._path = SmoothPath((), np.zeros(1))
         self._s = np.zeros(1)
         self._xy = np.zeros((1, 2))
+        self._vertices = np.zeros((1, 2))
+        self._vertex_s = [0.0]
         self._speed: list[Floats] = []
         self._leg = 0
         self._turning = True
@@ -82,6 +85,15 @@ class Follower:
     def vertex_progress(self) -> Floats:
         """Progress [m] at which each point given to `follow` is passed, shape (n,)."""
         return self._path.vertex_s
+
+    @property
+    def vertices(self) -> Floats:
+        """Points (x, y) [m] of the driven path there, shape (n, 2)."""
+        return self._vertices
+
+    def vertices_until(self, progress: float) -> int:
+        """Return how many of the points given to `follow` are passed at some progress [m]."""
+        return bisect_right(self._vertex_s, progress)
 
     @property
     def deviation(self) -> float:
@@ -128,6 +140,9 @@ class Follower:
         else:
             self._s = np.zeros(1)
             self._xy = np.asarray(path_xy, dtype=np.float64)[:1]
+        # Asked for at every tick.
+        self._vertices = self.points_at(path.vertex_s)
+        self._vertex_s = path.vertex_s.tolist()
         self._leg = 0
         self._turning = self._turning or not moving
         self._progress = 0.0

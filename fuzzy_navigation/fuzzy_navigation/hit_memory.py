@@ -58,15 +58,23 @@ class HitMemory:
         self._guesses: dict[tuple[int, int], tuple[float, float]] = {}
         self._last: Pose2 | None = None
         self._array: Points | None = None
+        self._stood_array: Points | None = None
 
     @property
     def points(self) -> Points:
         """All hit points (x, y) [m], shape (n, 2)."""
         if self._array is None:
-            p = self._infrared
-            standing = hit_points(self.infrared, p.mount_radius, p.min_range, p.max_range)
-            self._array = np.vstack([standing, self.added])
+            self._array = np.vstack([self.standing, self.added])
         return self._array
+
+    @property
+    def standing(self) -> Points:
+        """The hit points (x, y) [m] of the infrareds at the perception, shape (n, 2)."""
+        if self._stood_array is None:
+            p = self._infrared
+            rays = self.infrared
+            self._stood_array = hit_points(rays, p.mount_radius, p.min_range, p.max_range)
+        return self._stood_array
 
     @property
     def added(self) -> Points:
@@ -101,7 +109,7 @@ class HitMemory:
         self, infrared: Sequence[InfraredReading], sonar: Sequence[SonarReading] = ()
     ) -> None:
         """Take readings of a robot that stands at its perception."""
-        self._array = None
+        self._array = self._stood_array = None
         for reading in infrared:
             if not math.isnan(reading.range):
                 kept = self._standing.setdefault(reading.sensor, deque(maxlen=SWEEPS))

@@ -144,8 +144,7 @@ class Motion:
     def passed(self) -> int:
         """Index of the last cell of the path that the robot has passed."""
         follower = self._follower
-        passed = follower.vertex_progress <= follower.progress + PASSED
-        return self._first + int(np.flatnonzero(passed)[-1])
+        return self._first + follower.vertices_until(follower.progress + PASSED) - 1
 
     @property
     def progress(self) -> float:
@@ -318,11 +317,9 @@ class Motion:
         horizon = follower.progress + speed * speed / (2.0 * deceleration)
         horizon += speed * lag + 1.5 * self._path.resolution
         passed = follower.vertex_progress
-        following = np.arange(self.passed - self._first + 1, len(passed))
-        near = passed[following] <= horizon
-        near[:1] = True
-        ahead = following[near]
-        places = np.vstack([(pose.x, pose.y), follower.points_at(passed[ahead])])
+        first = self.passed - self._first + 1
+        ahead = slice(first, max(first + 1, follower.vertices_until(horizon)))
+        places = np.concatenate(([(pose.x, pose.y)], follower.vertices[ahead]))
         clearances = clearance_at(places, hits, self._p.robot_radius)
         max_speed = max(LEAST_SPEED, approach_speed(float(clearances[0]), deceleration, lag))
         stop_at = math.inf
@@ -331,22 +328,22 @@ class Motion:
             stop_at = float(passed[self._reach - self._first])
             if follower.progress >= stop_at - PASSED:
                 self._stop(Stop.UNEXPLORED)
-        blocked = self._blocked(clearances, self._first + ahead, hits)
-        if blocked.any():
-            first = int(np.argmax(blocked))
-            if first == 0:
+        blocked = self._blocked(clearances, self._first + first, hits).tolist()
+        if True in blocked:
+            step = blocked.index(True)
+            if step == 0:
                 self._stop(Stop.CLEARANCE)
             else:
-                stop_at = min(stop_at, float(passed[ahead[first - 1]]))
+                stop_at = min(stop_at, float(passed[first + step - 1]))
         return stop_at, max_speed
 
     def _blocked(
         self,
         clearances: NDArray[np.float64],
-        ahead: NDArray[np.int64],
+        first: int,
         hits: NDArray[np.float64],
     ) -> NDArray[np.bool_]:
-        """Tell which steps along some of the path's points must not be made.
+        """Tell which steps along the path's points from the first one on must not be made.
 
         `clearances` [m] are those where the robot is and on the driven way beside the points.
         """
@@ -354,7 +351,8 @@ class Motion:
         if not isinstance(self._rule, LayerClearance):
             return self._rule.blocked(clearances, alpha, relaxed)
         # As the planner judged the cells: by the best place in each.
-        cells = self._path.points[np.minimum(ahead, len(self._path.points) - 1)]
+        first = min(first, len(self._path.points) - 1)
+        cells = self._path.points[first : first + len(clearances) - 1]
         best = best_clearance(cells, hits, self._p.robot_radius, self._p.layer.shift)
-        by_cells = self._rule.blocked(np.append(clearances[0], best), alpha, relaxed)
+        by_cells = self._rule.blocked(np.concatenate((clearances[:1], best)), alpha, relaxed)
         return by_cells | self._floor.blocked(clearances, alpha, relaxed)

@@ -96,10 +96,10 @@ class Surroundings:
             limit = self._p.timeout.infrared
             if guard.enabled:
                 self._echoes.update((echo.sensor, echo) for echo in sonar)
-                present = self._ring.present(now, limit)
+                seen = self._ring.hits(now, limit)
                 far = [echo for echo in sonar if echo.range > -math.inf]
-                self._memory.add(self._unseen(far, present, guard.motion_reach))
-                self._memory.add(self._touching(sonar, present), guessed=True)
+                self._memory.add(self._unseen(far, seen, guard.motion_reach))
+                self._memory.add(self._touching(sonar, seen), guessed=True)
             if layer.enabled:
                 self._memory.pass_by(pose, self._ring.hits(now, limit))
 
@@ -115,9 +115,9 @@ class Surroundings:
         memory, guard = self._memory, self._p.sonar_guard
         if guard.enabled:
             far = [echo for echo in memory.sonar if echo.range > -math.inf]
-            memory.add(self._unseen(far, memory.infrared, guard.perception_reach))
+            memory.add(self._unseen(far, memory.standing, guard.perception_reach))
             memory.add(
-                self._unseen(memory.sonar, memory.infrared, guard.perception_reach), guessed=True
+                self._unseen(memory.sonar, memory.standing, guard.perception_reach), guessed=True
             )
 
     def rest(self) -> None:
@@ -203,31 +203,23 @@ class Surroundings:
             return np.empty((0, 2))
         limit = p.timeout.infrared
         echoes = [echo for echo in self._echoes.values() if now - echo.stamp <= limit]
-        return self._unseen(echoes, self._ring.present(now, limit), p.sonar_guard.perception_reach)
+        return self._unseen(echoes, self._ring.hits(now, limit), p.sonar_guard.perception_reach)
 
-    def _touching(
-        self, sonar: Sequence[SonarReading], infrared: Sequence[InfraredReading]
-    ) -> Points:
+    def _touching(self, sonar: Sequence[SonarReading], seen: Points) -> Points:
         p = self._p
         if all(echo.range > -math.inf for echo in sonar):
             return np.empty((0, 2))
-        known = self._memory.measured
-        return rim_points(
-            sonar, infrared, known, p.sonar, p.infrared, p.sonar_guard, p.robot_radius
-        )
+        known = np.vstack([seen, self._memory.measured])
+        return rim_points(sonar, known, p.sonar, p.sonar_guard, p.robot_radius)
 
-    def _unseen(
-        self, sonar: Sequence[SonarReading], infrared: Sequence[InfraredReading], reach: float
-    ) -> Points:
+    def _unseen(self, sonar: Sequence[SonarReading], seen: Points, reach: float) -> Points:
         p = self._p
         # Most are far: asked first, since this happens at every tick.
         below = p.robot_radius + reach - p.sonar.mount_radius
         short = [echo for echo in sonar if echo.range < below]
         if not short:
             return np.empty((0, 2))
-        return guard_points(
-            short, infrared, p.sonar, p.infrared, p.sonar_guard, reach, p.robot_radius
-        )
+        return guard_points(short, seen, p.sonar, p.sonar_guard, reach, p.robot_radius)
 
 
 def _listed(frames: Sequence[str]) -> str:

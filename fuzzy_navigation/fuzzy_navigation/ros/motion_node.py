@@ -21,6 +21,7 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 from sensor_msgs.msg import Range
 
+from fuzzy_map_building import sonar_guard
 from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.ros import names, qos
 from fuzzy_map_building.ros.clock import create_steady_timer, now_seconds, seconds_from_stamp
@@ -33,7 +34,7 @@ from fuzzy_map_building.ros.conversions import (
 from fuzzy_map_building.ros.diagnostics import Diagnostics
 from fuzzy_map_building.ros.parameters import declare_parameters
 from fuzzy_map_building.ros.run import spin_node
-from fuzzy_map_building.sonar_guard import warm_up
+from fuzzy_navigation import clearance_layer
 from fuzzy_navigation.control_tick import SILENCE, ControlTicks, Tick, Untimely
 from fuzzy_navigation.mission import Mission
 from fuzzy_navigation.mission_types import (
@@ -79,7 +80,9 @@ class MotionNode(Node):
             self, motion_parameters, MOTION_PRESETS, on_change=self._use_parameters
         )
         parameters = self._settings.values
-        warm_up()  # before the first tick, which would otherwise wait for the compiler
+        # Before the first tick, which would otherwise wait for the compiler.
+        for kernels in (sonar_guard, clearance_layer):
+            kernels.warm_up()
         self._frames = parameters.infrared.frame_ids
         self._ticks = ControlTicks(parameters.infrared.bearings, parameters.timeout.pose)
         self._time = PoseTime()

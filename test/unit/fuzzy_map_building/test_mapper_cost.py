@@ -7,6 +7,7 @@ import statistics
 import time
 import tracemalloc
 
+import numpy as np
 import pytest
 
 from fuzzy_map_building import (
@@ -86,7 +87,7 @@ def test_nothing_is_compiled_after_warm_up() -> None:
             for packet in (whole, rays, [], whole[:1], perception(pose, ranges=math.inf)):
                 mapper.update(packet)
             mapper.restore(mapper.state())
-        rings = (parameters.sonar, parameters.infrared, parameters.sonar_guard, 3.0, 0.23)
-        guard_points(whole[:48], rays, *rings)
-        cut_rays(whole[:48], rays, *rings)
+        p = parameters
+        guard_points(whole[:48], np.zeros((16, 2)), p.sonar, p.sonar_guard, 3.0, 0.23)
+        cut_rays(whole[:48], rays, p.sonar, p.infrared, p.sonar_guard, 3.0, 0.23)
     assert [len(kernel.signatures) for kernel in kernels] == before

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from fuzzy_map_building.infrared_packet import InfraredPacket
 from fuzzy_map_building.params import (
     InfraredParameters,
     MapperParameters,
@@ -22,8 +23,12 @@ MAPPER = MapperParameters(sonar=SONAR)
 RADIUS = 0.23
 
 
+def hits(infrared: list) -> np.ndarray:
+    return InfraredPacket.from_readings(infrared, INFRARED).hit_points()
+
+
 def points(sonar: list, infrared: list, reach: float = 0.6) -> np.ndarray:
-    return guard_points(sonar, infrared, SONAR, INFRARED, GUARD, reach, RADIUS)
+    return guard_points(sonar, hits(infrared), SONAR, GUARD, reach, RADIUS)
 
 
 def limits(sonar: list, infrared: list, reach: float = 0.6) -> np.ndarray:
@@ -193,7 +198,7 @@ def test_nothing_in_nothing_out() -> None:
 
 def rim(sonar: list, infrared: list, known: object = ()) -> np.ndarray:
     points_known = np.array(known, dtype=float).reshape(-1, 2)
-    return rim_points(sonar, infrared, points_known, SONAR, INFRARED, GUARD, RADIUS)
+    return rim_points(sonar, np.vstack((hits(infrared), points_known)), SONAR, GUARD, RADIUS)
 
 
 def test_what_is_too_close_to_measure_may_touch_the_body() -> None:
