@@ -171,10 +171,15 @@ class _Ring:
     ) -> list[tuple[Pose2, float, float, float, int]]:
         """Return (pose, bearing, range, stamp, sensor) of what can be placed."""
         released: list[tuple[Pose2, float, float, float, int]] = []
+        # Sensors that measured together share their place.
+        last: float = math.nan
+        pose: Pose2 | None = None
+        angle: float | None = None
         while self._waiting:
             stamp, _, sensor, value = self._waiting[0]
-            pose = poses.at(stamp)
-            angle = self._turret.at(stamp) if self._turret is not None else 0.0
+            if stamp != last:
+                last, pose = stamp, poses.at(stamp)
+                angle = self._turret.at(stamp) if self._turret is not None else 0.0
             if pose is not None and angle is not None:
                 released.append((pose, self._bearings[sensor] + angle, value, stamp, sensor))
             else:

@@ -180,11 +180,15 @@ class ControlTicks:
 
     def _release(self, stamp: float, pose: Pose2, complete: bool) -> Tick:
         readings = []
+        # Sensors that measured together share their place.
+        last: float = math.nan
+        place: Pose2 | None = None
         for sensor in sorted(self._unused):
             measured, distance = self._newest[sensor]
-            place = self._poses.at(measured)
-            if place is None and measured > stamp:
-                place = pose  # measured since: the robot has hardly moved
+            if measured != last:
+                last, place = measured, self._poses.at(measured)
+                if place is None and measured > stamp:
+                    place = pose  # measured since: the robot has hardly moved
             if place is not None:
                 readings.append(
                     InfraredReading(place, self._bearings[sensor], distance, measured, sensor)

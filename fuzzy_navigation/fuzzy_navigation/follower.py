@@ -10,6 +10,7 @@ from bisect import bisect_right
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fuzzy_map_building.jit import for_kernel, njit
 from fuzzy_map_building.types import Pose2, wrap_angle
 from fuzzy_navigation.params import FollowerParameters
 from fuzzy_navigation.path_smoothing import Leg, SmoothPath, smooth_path
@@ -36,6 +37,19 @@ ARRIVAL_PART = 0.25
 SEARCH = 0.1
 #: Slowest useful speed [m/s]: below it a command moves nothing in a tick.
 CREEP = 1e-3
+
+
+@njit
+def _nearest(x: float, y: float, points: Floats) -> int:
+    """Return the number of the point, of shape (n, 2), that is nearest to (x, y) [m]."""
+    nearest, least = 0, math.inf
+    for i in range(len(points)):
+        dx = x - points[i, 0]
+        dy = y - points[i, 1]
+        square = dx * dx + dy * dy
+        if square < least:
+            nearest, least = i, square
+    return nearest
 
 
 class Follower:
@@ -259,8 +273,7 @@ class Follower:
         reach = SEARCH + self._v * dt
         first = int(np.searchsorted(leg.s, self._progress - SEARCH))
         last = int(np.searchsorted(leg.s, self._progress + reach, side="right"))
-        offset = np.array([pose.x, pose.y]) - leg.xy[first:last]
-        i = first + int(np.argmin((offset**2).sum(axis=1)))
+        i = first + _nearest(pose.x, pose.y, for_kernel(leg.xy[first:last]))
         dx, dy = pose.x - float(leg.xy[i, 0]), pose.y - float(leg.xy[i, 1])
         c, s = math.cos(leg.heading[i]), math.sin(leg.heading[i])
         along, lateral = dx * c + dy * s, -dx * s + dy * c

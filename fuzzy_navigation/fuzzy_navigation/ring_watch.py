@@ -55,11 +55,11 @@ class RingWatch:
                 continue
             direction = reading.pose.theta + reading.bearing
             if heard is None or reading.range != heard.range:
-                heard = _Heard(reading.stamp, reading.range, direction)
-                self._heard[reading.sensor] = heard
-            heard.stamp = reading.stamp
-            turned = abs(wrap_angle(direction - heard.direction))
-            heard.turned = max(heard.turned, turned)
+                self._heard[reading.sensor] = _Heard(reading.stamp, reading.range, direction)
+            else:
+                heard.stamp = reading.stamp
+                turned = abs(wrap_angle(direction - heard.direction))
+                heard.turned = max(heard.turned, turned)
 
     def silent(self, now: float, limit: float) -> list[str]:
         """Return the frames of the sensors without a reading of the last `limit` [s]."""
@@ -78,10 +78,9 @@ class RingWatch:
             Angle [rad].
         """
         low, high = self._limits
-        return [
-            frame
-            for sensor, frame in enumerate(self._frames)
-            if (heard := self._heard.get(sensor)) is not None
-            and low < heard.range < high
-            and heard.turned >= turn
+        sensors = [
+            sensor
+            for sensor, heard in self._heard.items()
+            if heard.turned >= turn and low < heard.range < high
         ]
+        return [self._frames[s] for s in sorted(sensors) if 0 <= s < len(self._frames)]

@@ -116,7 +116,8 @@ class Control:
     def tick(self, told: Telemetry) -> Iterator[Commands]:
         """Take what was told, and yield what the mission answers."""
         for ray in told.infrared:
-            yield from self._act(self._range(ray.sensor, ray.stamp, ray.value))
+            if (due := self._range(ray.sensor, ray.stamp, ray.value)) is not None:
+                yield self._act(due)
         if self._echoes is not None:
             for turret in told.turret:
                 self._echoes.add_turret(turret.stamp, turret.angle, told.clock)
@@ -129,7 +130,8 @@ class Control:
                 continue
             if self._echoes is not None:
                 self._echoes.add_pose(pose.stamp, pose.pose, told.clock)
-            yield from self._act(tick)
+            if tick is not None:
+                yield self._act(tick)
         if told.time - self._last_tick > SILENCE:
             yield self._mission.on_tick(self.now)
 
@@ -141,11 +143,9 @@ class Control:
         except Untimely:
             return None
 
-    def _act(self, tick: Tick | None) -> Iterator[Commands]:
-        if tick is None:
-            return
+    def _act(self, tick: Tick) -> Commands:
         self._last_tick = self._wall
         now = self._time.at_pose(tick.stamp, self._clock, self._wall)
         sonar = self._echoes.release(self._clock) if self._echoes is not None else ()
         delay = self._clock - tick.stamp
-        yield self._mission.on_pose(now, tick.pose, tick.readings, sonar, delay)
+        return self._mission.on_pose(now, tick.pose, tick.readings, sonar, delay)

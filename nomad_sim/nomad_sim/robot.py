@@ -15,7 +15,7 @@ from fuzzy_map_building.types import Pose2
 from nomad_sim.beam import wrapped
 from nomad_sim.ray_casting import nearest_distance
 
-__all__ = ["ROUNDING", "Velocity", "arc", "drive", "next_velocity", "turned"]
+__all__ = ["ROUNDING", "Velocity", "arc", "arc_end", "drive", "next_velocity", "turned"]
 
 FloatArray = NDArray[np.float64]
 
@@ -35,7 +35,7 @@ class Velocity(NamedTuple):
 
 
 @njit
-def _arc(
+def arc_end(
     x: float, y: float, theta: float, linear: float, angular: float, dt: float
 ) -> tuple[float, float, float]:
     """Return the pose after an arc, as `arc` does, in numbers."""
@@ -66,7 +66,7 @@ def arc(pose: Pose2, linear: float, angular: float, dt: float) -> Pose2:
     >>> round(end.x, 9), round(end.y, 9), round(end.theta, 9) == round(math.pi / 2, 9)
     (1.0, 1.0, True)
     """
-    return Pose2(*_arc(pose.x, pose.y, pose.theta, linear, angular, dt))
+    return Pose2(*arc_end(pose.x, pose.y, pose.theta, linear, angular, dt))
 
 
 @njit
@@ -150,7 +150,7 @@ def drive(
     clearance : float
         Distance from the body there to the nearest surface [m], negative inside.
     """
-    end = _arc(x, y, theta, linear, angular, dt)
+    end = arc_end(x, y, theta, linear, angular, dt)
     clearance = nearest_distance(end[0], end[1], segments, circles, solids) - radius
     if linear == 0.0 or clearance >= -ROUNDING:
         return end[0], end[1], end[2], 1.0, clearance
@@ -162,12 +162,12 @@ def drive(
     low, high = 0.0, 1.0
     for _ in range(_HALVINGS if now > _RESTING else 0):
         middle = 0.5 * (low + high)
-        there = _arc(x, y, theta, linear, angular, middle * dt)
+        there = arc_end(x, y, theta, linear, angular, middle * dt)
         if nearest_distance(there[0], there[1], segments, circles, solids) - radius >= least:
             low = middle
         else:
             high = middle
-    end = _arc(x, y, theta, linear, angular, low * dt)
+    end = arc_end(x, y, theta, linear, angular, low * dt)
     clearance = nearest_distance(end[0], end[1], segments, circles, solids) - radius
     return end[0], end[1], end[2], low, clearance
 

@@ -132,11 +132,13 @@ class Simulator:
         command = Velocity(linear, angular)
         start, duration = self._nanoseconds, round(dt * _NANO)
         self._events = []
+        arcs: list[tuple[float, float]] = []
         for part in range(_PARTS):
             begin = start + duration * part // _PARTS
             end = start + duration * (part + 1) // _PARTS
             if end > begin:
-                self._advance(command, begin, end)
+                arcs.append(self._advance(command, begin, end))
+        self._odometry.add(arcs)
         self._infrared = self._infrareds.read(self._pose, self._surfaces(self._nanoseconds))
 
     def command_turret(self, angle: float) -> None:
@@ -233,8 +235,11 @@ class Simulator:
     def _surfaces(self, nanoseconds: int) -> Surfaces:
         return self.world.surfaces(nanoseconds / _NANO, self._perceptions)
 
-    def _advance(self, command: Velocity, begin: int, end: int) -> None:
-        """Move for a part of a step and fire the sonars that are due in it."""
+    def _advance(self, command: Velocity, begin: int, end: int) -> tuple[float, float]:
+        """Move for a part of a step and fire the sonars that are due in it.
+
+        Returns the way driven [m] and the angle turned [rad].
+        """
         p = self.parameters
         dt = (end - begin) / _NANO
         before, turret, robot = self._pose, self._turret_angle, p.robot
@@ -264,7 +269,6 @@ class Simulator:
         self._velocity = Velocity(linear, angular) if share == 1.0 else Velocity()
         self._pose = Pose2(x, y, theta)
         moving = share * dt
-        self._odometry.add(linear * moving, angular * moving)
         self._turret_angle = turned(turret, self._turret_target, p.turret.max_rate * dt)
         self._nanoseconds = end
         self._feel(blocked=share < 1.0)
@@ -279,6 +283,7 @@ class Simulator:
                 self._surfaces(due),
             )
             self._fired += 1
+        return linear * moving, angular * moving
 
     def _feel(self, *, blocked: bool) -> None:
         """Update the least clearance and contact."""

@@ -168,6 +168,9 @@ class MovingObstacle:
             return None
         if not self.perceptions[0] <= perceptions < self.perceptions[1]:
             return None
+        last, x, y = self.waypoints[-1].tolist()
+        if time >= last:  # as nearly always
+            return x, y
         t, x, y = self.waypoints.T
         return float(np.interp(time, t, x)), float(np.interp(time, t, y))
 

@@ -16,7 +16,7 @@ from nomad_sim.robot import arc
 def test_without_noise_it_is_the_true_pose():
     odometry, pose = Odometry(OdometryParameters(), Pose2(1.0, 2.0, 0.3), None), Pose2(1, 2, 0.3)
     for _ in range(50):
-        odometry.add(0.01, 0.02)
+        odometry.add([(0.01, 0.02)])
         pose = arc(pose, 0.01, 0.02, 1.0)
     assert odometry.pose == pose
 
@@ -29,7 +29,7 @@ def test_errors_grow_with_the_root_of_the_way_whatever_its_pieces(pieces):
     for _ in range(800):
         odometry = Odometry(parameters, Pose2(0.0, 0.0, 0.0), noise)
         for _ in range(pieces):
-            odometry.add(4.0 / pieces, 0.0)
+            odometry.add([(4.0 / pieces, 0.0)])
         ends.append(odometry.pose.x)
     assert np.mean(ends) == pytest.approx(4.0, abs=4 * 0.04 / math.sqrt(800))
     # 2 cm at 1 m is 4 cm at 4 m; the deviation of 800 draws is known to 2.5 %.
@@ -42,7 +42,7 @@ def test_heading_drifts_with_turning_and_with_driving():
     ends = []
     for _ in range(1500):
         odometry = Odometry(parameters, Pose2(0.0, 0.0, 0.0), noise)
-        odometry.add(1.0, 1.0)
+        odometry.add([(1.0, 1.0)])
         ends.append(odometry.pose.theta)
     assert np.std(ends) == pytest.approx(0.05, rel=0.1)
 
@@ -50,5 +50,5 @@ def test_heading_drifts_with_turning_and_with_driving():
 def test_standing_still_does_not_drift():
     odometry = Odometry(OdometryParameters(), Pose2(1.0, 2.0, 0.3), np.random.default_rng(0))
     for _ in range(100):
-        odometry.add(0.0, 0.0)
+        odometry.add([(0.0, 0.0)])
     assert odometry.pose == Pose2(1.0, 2.0, 0.3)
