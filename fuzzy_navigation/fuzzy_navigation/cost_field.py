@@ -36,10 +36,8 @@ class CostField:
     ----------
     cells : ndarray of int8 or float64, shape (H + 2, W + 2)
         The cost, or its index in `table`; the border must not be entered.
-    table : ndarray of float64, shape (128,)
-        Costs by code, infinite for `NO_ENTRY`.
-    coded : bool
-        Whether `cells` holds codes.
+    table : ndarray of float64, shape (128,), or None
+        Costs by code, infinite for `NO_ENTRY`; None where `cells` holds costs.
     heuristic : float
         No less than this a straight step costs; 0 where that is not known.
     most : float
@@ -49,11 +47,14 @@ class CostField:
     """
 
     cells: NDArray[np.int8] | NDArray[np.float64]
-    table: NDArray[np.float64]
-    coded: bool
+    table: NDArray[np.float64] | None
     heuristic: float
     most: float
     bottleneck: bool
+
+    def costs(self, values: NDArray[np.generic]) -> NDArray[np.float64]:
+        """Return the costs that values of `cells` stand for."""
+        return np.asarray(values, np.float64) if self.table is None else self.table[values]
 
 
 def cost_field(
@@ -85,7 +86,7 @@ def cost_field(
     cells, least = _exact(risk, admissible, epsilon)
     for rows in _blocks(cells):
         _weigh(cells[rows], least, cost)
-    return _field(cells, np.empty(0), least, epsilon, cost)
+    return _field(cells, None, least, epsilon, cost)
 
 
 def coded_costs(
@@ -115,7 +116,7 @@ def coded_costs(
 
 def _field(
     cells: NDArray[np.int8] | NDArray[np.float64],
-    table: NDArray[np.float64],
+    table: NDArray[np.float64] | None,
     least: float,
     epsilon: float,
     cost: str,
@@ -123,7 +124,7 @@ def _field(
     most = np.array([1.0 + epsilon])
     _weigh(most, least, cost)
     informed = cost != "g3" and least >= _LEAST_RISK
-    return CostField(cells, table, len(table) > 0, float(informed), float(most[0]), cost == "g3")
+    return CostField(cells, table, float(informed), float(most[0]), cost == "g3")
 
 
 def _weigh(mu: NDArray[np.float64], least: float, cost: str) -> None:

@@ -245,7 +245,7 @@ class PlanningMap:
             size = self._codes.size
             found = self._path(field, query, ends[0], max(PATIENCE, int(size * _WORTH_A_LOOK)))
             if found is None:
-                free = np.isfinite(field.table)[self._inner]
+                free = np.isfinite(field.costs(self._inner))
                 end = first_reachable(
                     free, query.start, ends, query.adjacency, query.corner_cutting
                 )
@@ -267,7 +267,7 @@ class PlanningMap:
 
     def _enterable(self, field: CostField, query: Query) -> NDArray[np.bool_]:
         codes = self._inner[query.ends[:, 0], query.ends[:, 1]]
-        return np.isfinite(field.table[codes])
+        return np.isfinite(field.costs(codes))
 
     def _path(
         self, field: CostField, query: Query, end: Sequence[int] | Cells, limit: int

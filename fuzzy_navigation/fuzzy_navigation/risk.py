@@ -333,11 +333,14 @@ def risks_of_path(
     path, diagonal
         As `path_risks` takes them.
     """
-    weights = np.ones(len(path))
-    steps = np.abs(np.diff(path, axis=0)).sum(axis=1)
-    weights[1:][steps == 2] = diagonal_factor(diagonal)
+    factor = diagonal_factor(diagonal)
+    once, squared = mu, mu * mu
+    if factor != 1.0:
+        steps = np.diff(path, axis=0, prepend=path[:1])
+        weights = np.where(np.abs(steps).sum(axis=1) == 2, factor, 1.0)
+        once, squared = weights * once, weights * squared
     # fsum: exact however long the path.
-    return math.fsum(weights * mu), math.fsum(weights * mu**2), float(mu.max())
+    return math.fsum(once.tolist()), math.fsum(squared.tolist()), float(mu.max())
 
 
 def diagonal_factor(diagonal: str) -> float:

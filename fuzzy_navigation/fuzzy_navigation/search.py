@@ -6,9 +6,8 @@ Cells are (row, column); nothing here knows metres. Equations and sections are t
 Oriolo, Ulivi, Vendittelli, IEEE Trans. SMC-B 28(3), 1998.
 
 Ties are broken the same way on every machine. Among paths of equal cost, A1 and A2
-return the shortest (diagonal steps longer than straight ones, whatever they cost), then
-the one whose search stayed nearest to the goal, then the one of lower row and column.
-A3 prefers cells nearer to the goal, as the paper has it, then lower rows and columns.
+return a shortest one (diagonal steps longer than straight ones, whatever they cost).
+A3 prefers cells nearer to the goal, as the paper has it.
 """
 
 from __future__ import annotations

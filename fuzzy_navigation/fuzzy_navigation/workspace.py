@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import functools
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +18,14 @@ __all__ = ["Workspace"]
 
 # Entries that a queue has room for at first.
 _ENTRIES = 1 << 10
-# Most buckets: their first entries stay in a processor's cache.
+# Most buckets of A1 and A2: their first entries stay in a processor's cache.
 _BUCKETS = 1 << 14
+# Ticks to the least cost of a step: so much longer a path may be before that weighs as much.
+_TICKS = 2.0**15
+# A bucket has at least 2 ** _BUCKET_BITS ticks; with A3 so many that its cells are equally far
+# from the goal, all but.
+_BUCKET_BITS = 13
+_A3_BUCKET_BITS = 6
 
 
 class Workspace:
@@ -31,15 +37,15 @@ class Workspace:
     """
 
     def __init__(self) -> None:
-        self._state = np.zeros(0, np.int8)
-        self._cost = np.empty(0)
-        self._length: NDArray[np.int32] | NDArray[np.int64] = np.empty(0, np.int32)
-        self._make_entries(_ENTRIES)
+        self._cost = np.empty((0, 0))
+        self._label: NDArray[np.int32] | NDArray[np.int64] = np.empty(0, np.int32)
+        self._buckets = np.full(_BUCKETS, -1, np.int32)
+        self._queue = np.empty(_ENTRIES, np.int64)
 
     @property
     def nbytes(self) -> int:
         """Memory of all arrays [bytes]."""
-        arrays = (self._state, self._cost, self._length, *self._entries())
+        arrays = (self._cost, self._label, self._buckets, self._queue)
         return sum(array.nbytes for array in arrays)
 
     def search(
@@ -79,106 +85,130 @@ class Workspace:
         width = field.cells.shape[1]
         origin = (start[0] + 1) * width + start[1] + 1
         target = (goal[0] + 1) * width + goal[1] + 1
-        self._fit(field.cells.size)
-        flat = field.cells.reshape(-1)
-        self._cost[origin] = 0.0
+        self._fit(field.cells.shape)
+        flat, cost = field.cells.reshape(-1), self._cost.reshape(-1)
+        form = (field.bottleneck, field.heuristic, field.most, field.cells.shape)
+        order = _order(*form, adjacency, diagonal)
+        cost[origin] = 0.0
         if field.bottleneck:
-            code = flat[origin]
-            self._cost[origin] = field.table[code] if field.coded else code
-        self._length[origin] = 0
-
-        high, low = sorted((abs(start[0] - goal[0]), abs(start[1] - goal[1])), reverse=True)
-        estimate = field.heuristic * (high + (1.0 if adjacency == 4 else diagonal - 1.0) * low)
-        fineness, buckets = _buckets(field, diagonal)
-        control = np.zeros(8, np.int64)
-        control[kernels.FREE], control[kernels.ROOM] = 0, len(self._links)
-        control[kernels.BUCKET] = int(estimate * fineness)
-        control[kernels.LOWEST] = field.cells.size
-        self._links[:] = np.arange(1, len(self._links) + 1)
-        self._hot[0][0], self._hot[1][0], self._hot[2][0] = estimate, 0, origin
-        control[kernels.HOT] = 1
+            cost[origin] = order.ticks * field.costs(flat[origin])
+        self._label[origin] = 0
+        control = np.zeros(11, np.int64)
+        control[kernels.FREE] = control[kernels.FINAL] = -1
+        low, high = sorted((abs(start[0] - goal[0]), abs(start[1] - goal[1])))
+        ticks = int(cost[origin]) + int(order.ahead @ (high, low, high, low, 0))
+        control[kernels.BUCKET] = ticks >> order.fine_bits
+        control[kernels.TOP], control[kernels.LEFT] = field.cells.shape
+        if len(self._buckets) < order.buckets:
+            self._buckets = np.full(order.buckets, -1, np.int32)
+        buckets = self._buckets[: order.buckets]
+        buckets[int(control[kernels.BUCKET]) & (order.buckets - 1)] = 0
+        self._queue[0] = kernels.first_entry(origin)
+        control[kernels.FRESH] = control[kernels.WAITING] = 1
         # Beside the cell before, nothing is reached for less through this one: where steps of
         # every kind cost the same, that holds for all cells that both touch.
-        everywhere = field.bottleneck or diagonal == 1.0
-        begin, steps = _steps(adjacency, everywhere and corner_cutting)
-        rows, columns = np.array(kernels.STEPS).T
-        moves = np.concatenate([rows * width + columns, rows, columns])
+        everywhere = (field.bottleneck or diagonal == 1.0) and corner_cutting
         most = field.cells.size if limit is None else limit
-        request = (width, target, most, adjacency, diagonal, corner_cutting, field.bottleneck)
+        steps = _steps(adjacency, everywhere, width)
+        arrays = (*steps, order.factors[steps[1]], cost, self._label, buckets)
+        path = np.empty((0, 2), np.int64)
         try:
-            while True:
-                cells = (begin, steps, moves, self._state, self._cost, self._length, buckets)
-                arrays: list[Any] = [for_kernel(a) for a in (*cells, *self._entries(), control)]
-                if kernels.best_first(
-                    for_kernel(flat),
-                    for_kernel(field.table),
-                    field.coded,
-                    *request,
-                    field.heuristic,
-                    fineness,
-                    *arrays,
-                ):
-                    break
-                self._make_room(control)
-            path = np.empty((0, 2), np.int64)
-            if kernels.CLOSED < self._state[target] < kernels.BLOCKED:
-                path = kernels.trace(self._state, width, origin, target)
+            while not kernels.best_first(
+                for_kernel(flat),
+                None if field.table is None else for_kernel(field.table),
+                *(width, target, most, corner_cutting, field.bottleneck),
+                *(for_kernel(order.ahead), order.fine_bits),
+                *(for_kernel(a) for a in (*arrays, self._queue, control)),
+            ):
+                self._make_room()
+            if control[kernels.FINAL] >= 0:
+                path = kernels.trace(self._label, width, origin, target)
         except BaseException:  # nobody knows what was touched
-            self._state[:] = 0
+            self._cost[:] = kernels.UNSEEN
             raise
-        lowest, highest = int(control[kernels.LOWEST]), int(control[kernels.HIGHEST])
-        self._state[max(0, lowest - width - 1) : highest + width + 2] = 0
+        finally:
+            buckets[:] = -1
+        top, bottom = int(control[kernels.TOP]), int(control[kernels.BOTTOM])
+        left, right = int(control[kernels.LEFT]), int(control[kernels.RIGHT])
+        cost[origin] = kernels.UNSEEN
+        self._cost[max(0, top - 1) : bottom + 2, max(0, left - 1) : right + 2] = kernels.UNSEEN
         return path, int(control[kernels.EXPANDED])
 
-    def _fit(self, cells: int) -> None:
-        """Have room for a number of cells."""
-        if len(self._state) != cells:
-            self._state = np.zeros(cells, np.int8)
-            self._cost = np.empty(cells)
+    def _fit(self, shape: tuple[int, ...]) -> None:
+        """Have room for the cells of a map."""
+        if self._cost.shape != shape:
+            self._cost = np.full(shape, kernels.UNSEEN)
+            cells = self._cost.size
             # A path enters each cell once.
-            wide = cells * kernels.DIAGONAL > np.iinfo(np.int32).max
-            self._length = np.empty(cells, np.int64) if wide else np.empty(cells, np.int32)
+            narrow = kernels.longest_label(cells) <= np.iinfo(np.int32).max
+            self._label = np.empty(cells, np.int32) if narrow else np.empty(cells, np.int64)
 
-    def _make_entries(self, number: int) -> None:
-        self._links = np.empty(number, np.int32)
-        self._queued = (np.empty(number), np.empty(number, np.int64), np.empty(number, np.int32))
-        self._hot = (np.empty(number), np.empty(number, np.int64), np.empty(number, np.int32))
-
-    def _make_room(self, control: NDArray[np.int64]) -> None:
+    def _make_room(self) -> None:
         """Double the room for entries in the middle of a search."""
-        number = len(self._links)
-        entries = self._entries()
-        self._make_entries(2 * number)
-        for old, new in zip(entries, self._entries(), strict=True):
-            new[:number] = old
-        self._links[number:] = np.arange(number + 1, 2 * number + 1)
-        self._links[-1] = control[kernels.FREE]
-        control[kernels.FREE] = number
-        control[kernels.ROOM] += number
-
-    def _entries(self) -> tuple[NDArray[Any], ...]:
-        return (self._links, *self._queued, *self._hot)
+        self._queue = np.concatenate([self._queue, np.empty_like(self._queue)])
 
 
-def _buckets(field: CostField, diagonal: float) -> tuple[float, NDArray[np.int32]]:
-    """Return how many buckets there are to a unit of cost, and empty ones.
+@dataclass(frozen=True)
+class _Order:
+    """In which order cells leave the open list, as `best_first` takes it.
 
-    They are used over and over, as the hours of a clock: together they cover more than the
-    estimated cost can grow by one step.
+    Parameters
+    ----------
+    ticks : float
+        Ticks to a unit of cost.
+    factors : ndarray of float64, shape (8,)
+        The same, by step.
+    ahead : ndarray of int64, shape (5,)
+        What an entry's ticks hold beside its cost.
+    fine_bits : int
+        A bucket has 2 ** fine_bits ticks.
+    buckets : int
+        Number of buckets, a power of two. They are used over and over, as the hours of a
+        clock: together they cover more than the ticks can grow by one step.
     """
-    span = diagonal * (field.most + field.heuristic)
-    if field.heuristic > 0.0:
-        fine = 2.0 ** round(0.5 * np.log2(field.cells.size) - 3.5)
-        fineness = min(max(fine, 16.0), 256.0, (_BUCKETS - 2) / span)
+
+    ticks: float
+    factors: NDArray[np.float64]
+    ahead: NDArray[np.int64]
+    fine_bits: int
+    buckets: int
+
+
+@functools.lru_cache
+def _order(
+    bottleneck: bool,
+    heuristic: float,
+    dearest: float,
+    shape: tuple[int, int],
+    adjacency: int,
+    diagonal: float,
+) -> _Order:
+    """Return the order for a field with such costs."""
+    sideways = 1.0 if adjacency == 4 else diagonal - 1.0
+    beside = kernels.STRAIGHT if adjacency == 4 else kernels.DIAGONAL - kernels.STRAIGHT
+    farthest = kernels.DIAGONAL * sum(shape)
+    if bottleneck:
+        # From hundredth to hundredth of cost, and within that the nearest to the goal first.
+        ticks = 2.0 ** (100 * farthest).bit_length()
+        ahead, factors = [0, 0, kernels.STRAIGHT, beside, 0], [ticks] * 8
+        growth = int(ticks * dearest) + farthest
+        fine_bits = _A3_BUCKET_BITS
     else:
-        fineness = 1022.0 / span if span > 0.0 else 1.0
-    number = 1 << int(span * fineness + 1.0).bit_length()
-    return fineness, np.full(number, -1, np.int32)
+        ticks = _TICKS
+        while dearest * shape[0] * shape[1] * ticks > 2.0**60:
+            ticks /= 2.0
+        unit = ticks * heuristic
+        ahead = [int(unit), int(unit * sideways), kernels.STRAIGHT, beside, 1]
+        factors = [ticks] * 4 + [diagonal * ticks] * 4
+        growth = int(diagonal * (ticks * dearest + unit)) + 4 * kernels.DIAGONAL
+        fine_bits = max(_BUCKET_BITS, (growth // _BUCKETS).bit_length() + 1)
+    buckets = 1 << ((growth >> fine_bits) + 2).bit_length()
+    return _Order(ticks, np.array(factors), np.array(ahead, np.int64), fine_bits, buckets)
 
 
 @functools.cache
-def _steps(adjacency: int, everywhere: bool) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return the steps worth trying from a cell by its state, as `best_first` takes them.
+def _steps(adjacency: int, everywhere: bool, width: int) -> tuple[NDArray[np.int64], ...]:
+    """Return the steps worth trying from a cell, as `best_first` takes them.
 
     Parameters
     ----------
@@ -187,6 +217,8 @@ def _steps(adjacency: int, everywhere: bool) -> tuple[NDArray[np.int64], NDArray
     everywhere : bool
         Whether the cell before reaches all cells that it touches for less; else only those
         beside it, by a straight step.
+    width : int
+        Cells in a row, border included.
     """
     begin, steps = [0], list(range(adjacency))
     begin.append(len(steps))
@@ -197,4 +229,7 @@ def _steps(adjacency: int, everywhere: bool) -> tuple[NDArray[np.int64], NDArray
             if not (rows + columns == 0 or touched or (rows + columns == 1 and adjacency == 8)):
                 steps.append(step)
         begin.append(len(steps))
-    return np.array(begin), np.array(steps)
+    row_steps, column_steps = np.array(kernels.STEPS)[steps].T.copy()
+    lengths = np.where(np.array(steps) < 4, kernels.STRAIGHT, kernels.DIAGONAL)
+    offsets = row_steps * width + column_steps
+    return np.array(begin), np.array(steps), offsets, row_steps, column_steps, lengths

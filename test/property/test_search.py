@@ -225,6 +225,25 @@ def test_uniform_risks_make_a1_and_a2_the_same(diagonal):
     assert checked > 50
 
 
+@pytest.mark.parametrize("scale", [1e-4, 1e-6, 1e-9, 1e-12])
+def test_differences_too_small_for_the_order_of_the_search(scale):
+    """Costs that differ by less than the open list can tell are told apart in the end."""
+    found = 0
+    for seed in range(60):
+        problem = random_problem(seed)
+        walls = problem.risk > 0.6
+        noise = np.random.default_rng(seed).random(problem.risk.shape)
+        problem.risk = np.where(walls, 1.0, 0.3 + scale * noise)
+        problem.options.update(alpha=0.6, epsilon=0.2, cut=None, barred=None)
+        for cost, power in (("g1", 1), ("g2", 2)):
+            result = find_path(problem.risk, problem.start, problem.goal, cost, **problem.options)
+            if result.found:
+                found += 1
+                least = problem.least_sum(power)
+                assert getattr(result, cost) - least <= 1e-13 * least, f"map {seed}"
+    assert found > 40
+
+
 def test_ties_go_to_the_shortest_path():
     """Of the paths with the fewest cells, that with the fewest diagonal steps."""
     checked = 0
