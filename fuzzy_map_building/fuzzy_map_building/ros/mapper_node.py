@@ -4,8 +4,9 @@
 
 Every range waits in the `ReadingAssembler` until pose and turret angle bracket its
 stamp. The readings that come out belong to the perception that the action ``build_map``
-runs, or, in continuous mode, to a packet that is fused whenever it is full. Infrared
-readings, where they are evidence, join either one with what the `InfraredGatherer` kept.
+runs, or, in continuous mode, to a packet that is fused whenever it is full, while the turret
+turns without end. Infrared readings, where they are evidence, join either one with what the
+`InfraredGatherer` kept.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from sensor_msgs.msg import JointState, Range
 from std_msgs.msg import Float64
 from std_srvs.srv import Trigger
 
+from fuzzy_map_building.continuous import ContinuousGathering
 from fuzzy_map_building.infrared_gathering import InfraredGatherer
 from fuzzy_map_building.map_folder import MapFolder
 from fuzzy_map_building.map_io import load_map, save_map
@@ -84,7 +86,7 @@ class MapperNode(Node):
         self._mapper = FuzzyMapper(p.area.geometry(), p)
         self._assembler = ReadingAssembler(p)
         self._gatherer = InfraredGatherer(p)
-        self._packet: list[SonarReading] = []
+        self._continuous = _continuous(p)
         self._folder = MapFolder(p.map_folder)
         self._snapshots = SnapshotWriter(self.get_fully_qualified_name(), p)
         restored, refusal = self._restore()
@@ -97,7 +99,7 @@ class MapperNode(Node):
         self._build_map = BuildMapServer(
             self,
             new_sequence=lambda: PerceptionSequence(self._settings.values),
-            command_turret=lambda angle: self._turret.publish(Float64(data=angle)),
+            command_turret=self._command_turret,
             fuse=self._fuse,
             rejected=lambda: self._diagnostics.total(names.SONAR),
         )
@@ -204,6 +206,10 @@ class MapperNode(Node):
             self._take(reading)
         self._count_refusals()
         self._build_map.advance(now)
+        if self._continuous is not None and self._build_map.sequence is None:
+            angle = self._continuous.turret_command(now)
+            if angle is not None:
+                self._command_turret(angle)
         if self._maps.undated and now > 0.0:
             self._maps.publish(self._mapper)
         period = self._settings.values.snapshot.period
@@ -212,11 +218,13 @@ class MapperNode(Node):
     def _take(self, reading: SonarReading) -> None:
         if self._build_map.sequence is not None:
             self._build_map.sequence.on_reading(reading)
-        elif self._settings.values.mode == "continuous":
-            self._packet.append(reading)
-            if len(self._packet) >= self._settings.values.packet_size:
-                packet, self._packet = self._packet, []
+        elif self._continuous is not None:
+            packet = self._continuous.on_reading(reading)
+            if packet is not None:
                 self._fuse(packet)
+
+    def _command_turret(self, angle: float) -> None:
+        self._turret.publish(Float64(data=angle))
 
     def _fuse(self, readings: Sequence[RangeReading]) -> FusedPacket:
         packet = [*readings, *self._gatherer.readings()]
@@ -233,6 +241,8 @@ class MapperNode(Node):
             # Where a perception was made the robot stood, and its sweeps are in the packet.
             standing = self._build_map.sequence is not None
             self._gatherer.restart(readings[0].pose if standing else None)
+            if standing and self._continuous is not None:
+                self._continuous.forget()  # what it had begun with is of another time
             newest = max(reading.stamp for reading in readings)
             self._maps.publish(self._mapper, newest, report.window)
             return FusedPacket(self._mapper.perceptions, report.accepted, "")
@@ -244,7 +254,8 @@ class MapperNode(Node):
         )
 
     def _forget_readings(self) -> None:
-        self._packet.clear()
+        if self._continuous is not None:
+            self._continuous.forget()
         self._gatherer.restart()
 
     def _use_parameters(self, parameters: MapperParameters) -> None:
@@ -254,7 +265,7 @@ class MapperNode(Node):
         self._mapper.restore(state)
         self._assembler = ReadingAssembler(parameters)
         self._gatherer = InfraredGatherer(parameters)
-        self._packet.clear()
+        self._continuous = _continuous(parameters)
         self._build_map.abort("a parameter was changed")
         self._maps.parameters = parameters.publishing
         self._maps.publish(self._mapper)
@@ -328,6 +339,10 @@ class MapperNode(Node):
     def _problem(self) -> str:
         failure = self._build_map.failure
         return f"the last perception failed: {failure}" if failure else ""
+
+
+def _continuous(parameters: MapperParameters) -> ContinuousGathering | None:
+    return ContinuousGathering(parameters) if parameters.mode == "continuous" else None
 
 
 def main() -> int:
