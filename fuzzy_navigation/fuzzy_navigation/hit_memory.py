@@ -56,9 +56,23 @@ class HitMemory:
         self._echoes: dict[tuple[int, int], SonarReading] = {}
         self._points: dict[tuple[int, int], tuple[float, float]] = {}
         self._guesses: dict[tuple[int, int], tuple[float, float]] = {}
+        self._old: set[tuple[int, int]] = set()
+        self._stood_before = False
         self._last: Pose2 | None = None
         self._array: Points | None = None
         self._stood_array: Points | None = None
+
+    def outdate(self) -> None:
+        """Forget what has not been seen since the last call of this."""
+        for key in self._old:
+            self._points.pop(key, None)
+            self._guesses.pop(key, None)
+        if self._stood_before:
+            self._standing.clear()
+            self._echoes.clear()
+        self._stood_before = True
+        self._old = {*self._points, *self._guesses}
+        self._array = self._stood_array = None
 
     @property
     def points(self) -> Points:
@@ -130,5 +144,6 @@ class HitMemory:
         for x, y in points.tolist():
             self._array = None
             key = round(x / RASTER), round(y / RASTER)
+            self._old.discard(key)
             if key not in self._points:
                 kept.setdefault(key, (x, y))

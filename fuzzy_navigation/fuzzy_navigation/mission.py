@@ -29,8 +29,8 @@ from fuzzy_navigation.mission_types import (
     Plan,
     Stop,
 )
-from fuzzy_navigation.motion import PlannedPath
 from fuzzy_navigation.plan_types import PlanResult, PlanStatus
+from fuzzy_navigation.planned_path import PlannedPath
 
 __all__ = ["Mission"]
 
@@ -367,16 +367,20 @@ class Mission(MissionState):
         verdict = verdicts.arrival(self._record, self._here)
         if verdict:
             return self._finish(verdict)
-        stop, now = self._motion.stopped, self._time.clock
-        because = self._around.nearest(now, self._here) if stop is Stop.CLEARANCE else ""
-        self._record.stopped(stop, self._motion.came_on, because)
-        hits = self._around.near(now, self._here, self._record.without_progress)
-        self._tried.stopped(self._record, hits, self._motion.next_point, self._known)
+        self._note_stop(self._motion.stopped)
         verdict = verdicts.stalemate(self._record, self._here, self._p)
         if verdict or self._record.without_progress == 0 or not self._turn.begin(self._here):
             return self._finish(verdict) if verdict else self._perceive()
         self._state = State.TURNING
         return []
+
+    def _note_stop(self, stop: Stop) -> None:
+        """Remember why and where the motion ended."""
+        now = self._time.clock
+        because = self._around.nearest(now, self._here) if stop is Stop.CLEARANCE else ""
+        self._record.stopped(stop, self._motion.came_on, because)
+        hits = self._around.near(now, self._here, self._record.without_progress)
+        self._tried.stopped(self._record, hits, self._motion.next_point, self._known)
 
     def _finish(self, verdict: verdicts.Verdict) -> list[Command]:
         self._state = State.IDLE

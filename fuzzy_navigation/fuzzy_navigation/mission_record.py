@@ -74,6 +74,11 @@ class MissionRecord:
         self._way: list[tuple[float, float]] = []
 
     @property
+    def path_length(self) -> float:
+        """Length of the way that the robot came [m]."""
+        return self._path_length
+
+    @property
     def path_tolerance(self) -> float:
         """Distance from the goal within which a path may end [m]."""
         return self.tolerance - ARRIVAL_MARGIN

@@ -76,6 +76,11 @@ class OpenRequest:
         self._deadline = math.inf
         self._retry_at = time + RETRY_PAUSE
 
+    @property
+    def open(self) -> bool:
+        """Whether an answer is waited for."""
+        return self._deadline < math.inf
+
     def answered_by(self, serial: int) -> bool:
         """Whether an answer of this serial number is the one that is waited for."""
         return serial == self._serial and self._retry_at == math.inf

@@ -10,22 +10,21 @@ judged at every tick, and far enough ahead that the robot really stands in time.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.types import Pose2
 from fuzzy_navigation.clearance import approach_speed, clearance_at
 from fuzzy_navigation.clearance_layer import PLENTY, best_clearance, best_places
+from fuzzy_navigation.elastic_band import band
 from fuzzy_navigation.follower import BRAKING_PART, Follower
 from fuzzy_navigation.mission_types import Stop
 from fuzzy_navigation.params import MotionParameters
+from fuzzy_navigation.planned_path import PlannedPath
 from fuzzy_navigation.stop_rules import ClosingClearance, LayerClearance, stop_rule
 
-__all__ = ["Motion", "PlannedPath"]
+__all__ = ["Motion"]
 
 #: A point of the path that is nearer than this [m] has been passed.
 PASSED = 0.01
@@ -33,60 +32,17 @@ PASSED = 0.01
 ADVANCE = 0.01
 #: What another place in a cell ahead must be better by for a robot on its way to take it [m].
 BETTER = 0.01
+Points = NDArray[np.float64]
+
 #: No points.
 NOTHING = np.empty((0, 2))
+#: What the clearance exceeds its limit by where a smooth path counts for more than room [m].
+SPARE = 0.03
 #: Way that a robot may have come since the pose that it goes by [m]; it drives slower, not below
 #: a speed [m/s].
 STALE_WAY, CRAWL = 0.05, 0.05
 #: Speed that is allowed at any clearance [m/s].
 LEAST_SPEED = 0.1
-
-
-@dataclass(frozen=True)
-class PlannedPath:
-    """A path from cell to cell.
-
-    Parameters
-    ----------
-    points : ndarray of float64, shape (n, 2)
-        Centres (x, y) of the cells [m].
-    alpha : float
-        Rung that it was found on.
-    resolution : float
-        Side of a cell [m].
-    """
-
-    points: NDArray[np.float64]
-    alpha: float
-    resolution: float
-
-    @classmethod
-    def of(
-        cls, poses: Sequence[Pose2], alpha: float, geometry: GridGeometry, robot: Pose2
-    ) -> PlannedPath:
-        """Take a planner's answer.
-
-        Raises
-        ------
-        ValueError
-            If there is no pose, one lies outside the map, two in a row are not of neighbouring
-            cells, or the first is not where the robot is.
-        """
-        if not poses:
-            raise ValueError("the path has no pose")
-        points = np.array([(pose.x, pose.y) for pose in poses], dtype=np.float64)
-        cells, inside = geometry.cells_of(points)
-        if not inside.all():
-            x, y = points[int(np.argmin(inside))]
-            raise ValueError(f"the path leaves the map at ({x:.2f}, {y:.2f}) m")
-        if (np.abs(np.diff(cells, axis=0)) > 1).any():
-            raise ValueError("the path jumps over cells")
-        if robot.distance_to(*points[0]) > 1.5 * geometry.resolution:
-            raise ValueError(
-                f"the path starts at ({points[0, 0]:.2f}, {points[0, 1]:.2f}) m, the robot is at "
-                f"({robot.x:.2f}, {robot.y:.2f}) m"
-            )
-        return cls(points, alpha, geometry.resolution)
 
 
 class Motion:
@@ -104,6 +60,8 @@ class Motion:
         # What the layer says of a cell, the way that is driven through it must keep as well.
         self._floor = ClosingClearance(parameters.layer.closed, parameters.layer.closed)
         self._follower = Follower(parameters.follower)
+        # Clearance beyond which more is no better for where to drive in a cell [m].
+        self._enough = parameters.clearance.limit + SPARE if parameters.concurrent else PLENTY
         self.forget()
 
     def forget(self) -> None:
@@ -112,6 +70,7 @@ class Motion:
         self._targets = self._path.points
         self._first = self._aimed_at = self._driven = self._reach = 0
         self._before = 0.0
+        self._stop_at = math.inf
         self._relaxed = False
         self._stopping: Stop | None = None
         self._stopped: Stop | None = None
@@ -163,6 +122,32 @@ class Motion:
         x, y = self._path.points[min(self._reach + 1, len(self._path.points) - 1)]
         return float(x), float(y)
 
+    def ahead(self, distance: float) -> int:
+        """Return the index of the path's cell that lies a distance [m] ahead.
+
+        It is one that the robot may drive to, or the last that it has passed.
+        """
+        along = self._follower.vertex_progress
+        behind = int(np.searchsorted(along, self._follower.progress + distance))
+        last = min(self._reach, self._driven)
+        return min(max(self._first + behind, self.passed), last)
+
+    @property
+    def reach(self) -> int:
+        """Index of the last cell of the path that the robot may drive to, as of now."""
+        return self._reach
+
+    @property
+    def room(self) -> float:
+        """Way along the path that the robot may drive, as far as it is known to be free [m]."""
+        along = self._follower.vertex_progress
+        last = min(max(self._reach - self._first, 0), len(along) - 1)
+        return min(float(along[last]), self._stop_at) - self._follower.progress
+
+    def distance_to(self, cell: int, pose: Pose2) -> float:
+        """Return how far it is [m] from a pose to where in a cell of the path to drive."""
+        return pose.distance_to(*self._targets[cell])
+
     @property
     def remaining(self) -> float:
         """Length of the path to the goal that is left [m]."""
@@ -195,27 +180,65 @@ class Motion:
         hits : ndarray of float64, shape (n, 2)
             Hit points [m] of the perception.
         """
-        self._path, self._reach, self._relaxed = path, reach, relaxed
-        self._driven = reach
-        self._stopping = self._stopped = None
-        self._stalled, self._advanced = 0.0, 0.0
-        self._first = self._aimed_at = 0
-        self._before = 0.0
+        self._relaxed = relaxed
+        self._stalled, self._advanced, self._before = 0.0, 0.0, 0.0
+        self._lay(pose, path, goal, reach, hits)
+
+    def divert(
+        self,
+        pose: Pose2,
+        path: PlannedPath,
+        goal: Pose2,
+        reach: int,
+        hits: NDArray[np.float64],
+    ) -> None:
+        """Go over to another path without a stop; the parameters are those of `begin`."""
+        self.tighten()
+        self._before += self._follower.progress
+        self._lay(pose, path, goal, reach, hits, moving=True)
+
+    def _lay(
+        self,
+        pose: Pose2,
+        path: PlannedPath,
+        goal: Pose2,
+        reach: int,
+        hits: NDArray[np.float64],
+        moving: bool = False,
+    ) -> None:
+        """Give the follower a path, from where the robot is to where it is explored.
+
+        A robot that maps on its way gets all of it: it stops where it has to, but need not slow
+        down beforehand for the end of what may be explored further by then.
+        """
         last = len(path.points) - 1
+        self._path, self._reach = path, reach
+        self._driven = last if self._p.concurrent else reach
+        self._stopping = self._stopped = None
+        self._stop_at = math.inf
+        self._first = self._aimed_at = 0
         self._targets = self._aim(path.points, hits)
         centre = path.points[last]
         at_goal = np.abs(centre - (goal.x, goal.y)).max() <= 0.5 * path.resolution + 1e-9
         if at_goal and not self._narrow((goal.x, goal.y), hits):
             self._targets[last] = goal.x, goal.y
         # From where the robot is straight to the second cell, or to the aim in its own one.
-        ahead = self._targets[1 : reach + 1] if last > 0 else self._targets
-        self._follower.follow(np.vstack([(pose.x, pose.y), ahead]))
+        ahead = self._targets[1 : self._driven + 1] if last > 0 else self._targets
+        way = np.vstack([(pose.x, pose.y), ahead])
+        if self._p.concurrent:
+            way = self._smoothed(way, pose, hits, moving)
+            self._targets[-len(way) + 1 :] = way[1:]
+        self._follower.follow(way, moving=moving)
         if last > 0 and reach == 0:
             self._stopped = Stop.UNEXPLORED
 
     def allow(self, reach: int) -> None:
         """Take a new limit of the explored area while the robot is on its way."""
         self._reach = reach
+
+    def tighten(self) -> None:
+        """Allow a smaller clearance no longer if the robot has come on."""
+        self._relaxed = self._relaxed and not self.came_on
 
     def halt(self) -> None:
         """Take note that the robot was commanded to stand at once."""
@@ -256,6 +279,7 @@ class Motion:
             max_speed = min(max_speed, self._wary_speed(pose, suspected, lag))
         if delay * max_speed > STALE_WAY:
             max_speed = max(STALE_WAY / delay, CRAWL)
+        self._stop_at = stop_at
         if self._stopping is not None:
             stop_at = -math.inf
         v, omega = follower.step(pose, dt, stop_at=stop_at, max_speed=max_speed, delay=delay)
@@ -275,6 +299,13 @@ class Motion:
             return cells.copy()
         return best_places(cells, hits, self._p.robot_radius, self._p.layer.shift)
 
+    def _smoothed(self, way: Points, pose: Pose2, hits: Points, moving: bool) -> Points:
+        """Return a way from a pose on, bent less in its cells where there is room enough."""
+        side = self._path.resolution
+        spare = clearance_at(way, hits, self._p.robot_radius) - self._enough
+        tolerance = np.clip(spare, 0.0, 0.5 * side)
+        return band(way, pose if moving else None, tolerance, side)
+
     def _narrow(self, place: tuple[float, float], hits: NDArray[np.float64]) -> bool:
         """Whether a place leaves the body so little room that a better one is sought."""
         clearance = clearance_at(place, hits, self._p.robot_radius)[0]
@@ -289,14 +320,18 @@ class Motion:
             return
         targets = self._aim(self._path.points[ahead], hits)
         radius = self._p.robot_radius
-        gain = np.minimum(clearance_at(targets, hits, radius), PLENTY)
-        gain -= np.minimum(clearance_at(before, hits, radius), PLENTY)
+        gain = np.minimum(clearance_at(targets, hits, radius), self._enough)
+        gain -= np.minimum(clearance_at(before, hits, radius), self._enough)
         if not (gain > BETTER).any():
             return
         self._targets[ahead] = np.where(gain[:, None] > BETTER, targets, before)
         self._before += self._follower.progress
         self._first = self._aimed_at
-        self._follower.follow(np.vstack([(pose.x, pose.y), self._targets[ahead]]), moving=True)
+        way = np.vstack([(pose.x, pose.y), self._targets[ahead]])
+        if self._p.concurrent:
+            way = self._smoothed(way, pose, hits, moving=True)
+            self._targets[ahead] = way[1:]
+        self._follower.follow(way, moving=True)
 
     def _wary_speed(self, pose: Pose2, suspected: NDArray[np.float64], lag: float) -> float:
         """Return the speed [m/s] from which the robot stops at its least clearance."""

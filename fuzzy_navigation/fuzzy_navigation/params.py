@@ -170,6 +170,13 @@ class PlannerParameters:
 class MotionParameters:
     """When the motion stops, asks for a map, and gives up (paper, section IV-B)."""
 
+    concurrent: bool = parameter(
+        False,
+        doc="whether the robot maps while it moves: the path is planned anew with every map that "
+        "comes on the way, and it stops for a perception only where a stop condition asks for it "
+        "and no path leads on. The mapper has to be in its mode 'continuous'",
+        source="paper, section II",
+    )
     beta: float = parameter(
         0.9,
         doc="largest augmented motion risk of a cell that the robot enters",

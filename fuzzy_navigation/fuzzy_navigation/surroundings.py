@@ -120,6 +120,11 @@ class Surroundings:
                 self._unseen(memory.sonar, memory.standing, guard.perception_reach), guessed=True
             )
 
+    def move_on(self) -> None:
+        """Forget what was last seen before the last call of this; the robot is on its way."""
+        self._phase = _Phase.MOVING
+        self._memory.outdate()
+
     def rest(self) -> None:
         """Remember nothing until the next perception."""
         self._phase = _Phase.IDLE

@@ -21,7 +21,7 @@ from fuzzy_map_building.mapper import FuzzyMapper
 from fuzzy_map_building.occupancy import risk_to_int8
 from fuzzy_map_building.params import DEFAULT_PRESET, mapper_parameters
 from fuzzy_map_building.types import Pose2
-from fuzzy_navigation.mission import Mission
+from fuzzy_navigation.concurrent_mission import mission_of
 from fuzzy_navigation.mission_types import (
     Commands,
     Drive,
@@ -113,7 +113,7 @@ class HeadlessMission:
         self.mapper = FuzzyMapper(geometry, p)
         self.planner = Planner(geometry, planner_parameters(preset, planner))
         drive = motion_parameters(preset, motion)
-        self.mission = Mission(drive)
+        self.mission = mission_of(drive)
         self._faults = FaultInjector.of(self.simulator.parameters)
         self._control = Control(self.mission, drive)
         self.verdict: Finish | None = None
@@ -147,6 +147,7 @@ class HeadlessMission:
         if angle is not None:
             simulator.command_turret(angle)
         self._control.pass_time(told)
+        self._fuse_packet()
         self._finish_perception()
         for commands in self._control.tick(told):
             self._handle(commands)
@@ -201,6 +202,19 @@ class HeadlessMission:
             else:
                 self.verdict = command
 
+    def _fuse_packet(self) -> None:
+        """Fuse a packet that was gathered on the way and tell the mission."""
+        packet = self._perception.full()
+        if packet is not None and self.mapper.update(packet).accepted:
+            self._perception.fused(standing=False)
+            self._publish_maps()
+
+    def _publish_maps(self) -> None:
+        # As a message carries them: in whole percent.
+        self.planner.set_map(risk_to_int8(self.mapper.planning_risk) / 100.0)
+        motion_risk = risk_to_int8(self.mapper.motion_risk) / 100.0
+        self._handle(self.mission.on_map(self.now, self.mapper.geometry, motion_risk))
+
     def _finish_perception(self) -> None:
         """Fuse a perception that has come to its end and tell the mission."""
         ended = self._perception.ended()
@@ -215,12 +229,9 @@ class HeadlessMission:
         if failure:
             self._handle(self.mission.on_perception(now, request, False, failure))
             return
-        self._perception.fused()
+        self._perception.fused(standing=True)
         self.simulator.perception_taken()
-        # As a message carries them: in whole percent.
-        self.planner.set_map(risk_to_int8(self.mapper.planning_risk) / 100.0)
-        motion_risk = risk_to_int8(self.mapper.motion_risk) / 100.0
-        self._handle(self.mission.on_map(now, self.mapper.geometry, motion_risk))
+        self._publish_maps()
         self._handle(self.mission.on_perception(now, request, True))
 
     def _log(self, verdict: Finish, wall_time: float) -> MissionLog:

@@ -6,11 +6,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from fuzzy_map_building.continuous import ContinuousGathering
 from fuzzy_map_building.infrared_gathering import InfraredGatherer
 from fuzzy_map_building.packet import ReadingAssembler
 from fuzzy_map_building.params import MapperParameters
 from fuzzy_map_building.perception import PerceptionSequence
-from fuzzy_map_building.types import RangeReading
+from fuzzy_map_building.types import RangeReading, SonarReading
 from fuzzy_navigation.control_tick import CLOCK_SLACK, SILENCE, ControlTicks, Tick, Untimely
 from fuzzy_navigation.mission import Mission
 from fuzzy_navigation.mission_types import Commands
@@ -28,6 +29,9 @@ class Perception:
         self._assembler = ReadingAssembler(parameters)
         self._sequence = PerceptionSequence(parameters)
         self._gatherer = InfraredGatherer(parameters)
+        continuous = parameters.mode == "continuous"
+        self._continuous = ContinuousGathering(parameters) if continuous else None
+        self._full: list[SonarReading] | None = None
         self._now = 0.0
         self._request: int | None = None
         self._failure = ""
@@ -56,9 +60,14 @@ class Perception:
             self._gatherer.on_infrared(ray)
             self._sequence.on_infrared(ray)
         for reading in assembler.release(now):
-            self._sequence.on_reading(reading)
             self._gatherer.on_sonar(reading)
-        return self._sequence.step(now)
+            if self._sequence.active:
+                self._sequence.on_reading(reading)
+            elif self._continuous is not None:
+                self._full = self._continuous.on_reading(reading) or self._full
+        if self._sequence.active or self._continuous is None:
+            return self._sequence.step(now)
+        return self._continuous.turret_command(now)
 
     def _take_infrared(self, told: Telemetry) -> None:
         # Most are of no use: asked first, since they would take half of a mission's time.
@@ -72,6 +81,8 @@ class Perception:
         """Drop what waits and the perception that is going on: the clock went back."""
         self._assembler.clear()
         self._gatherer.restart()
+        if self._continuous is not None:
+            self._continuous.forget()
         if self._sequence.active:
             self._sequence.cancel()
             self._failure = "the clock went back"
@@ -84,9 +95,17 @@ class Perception:
         packet = [*self._sequence.packet, *self._gatherer.readings()]
         return request, packet, self._failure or self._sequence.failed
 
-    def fused(self) -> None:
-        """Begin to gather for the next packet."""
-        self._gatherer.restart(self._sequence.readings[0].pose)
+    def full(self) -> list[RangeReading] | None:
+        """Return a packet of continuous mode once, when it is full."""
+        full, self._full = self._full, None
+        return None if full is None else [*full, *self._gatherer.readings()]
+
+    def fused(self, *, standing: bool) -> None:
+        """Begin to gather for the next packet; the last was that of a perception, or was not."""
+        # Where a perception was made the robot stood, and its sweeps are in the packet.
+        self._gatherer.restart(self._sequence.readings[0].pose if standing else None)
+        if standing and self._continuous is not None:
+            self._continuous.forget()
 
 
 class Control:

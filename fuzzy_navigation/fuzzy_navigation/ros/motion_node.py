@@ -35,8 +35,8 @@ from fuzzy_map_building.ros.diagnostics import Diagnostics
 from fuzzy_map_building.ros.parameters import declare_parameters
 from fuzzy_map_building.ros.run import spin_node
 from fuzzy_navigation import clearance_layer
+from fuzzy_navigation.concurrent_mission import mission_of
 from fuzzy_navigation.control_tick import SILENCE, ControlTicks, Tick, Untimely
-from fuzzy_navigation.mission import Mission
 from fuzzy_navigation.mission_types import (
     Commands,
     Drive,
@@ -86,7 +86,7 @@ class MotionNode(Node):
         self._frames = parameters.infrared.frame_ids
         self._ticks = ControlTicks(parameters.infrared.bearings, parameters.timeout.pose)
         self._time = PoseTime()
-        self._mission = Mission(parameters)
+        self._mission = mission_of(parameters)
         self._stale_parameters = False
         self._map: tuple[GridGeometry, float] | None = None  # and its stamp [s]
         self._last_tick = -math.inf
@@ -298,7 +298,7 @@ class MotionNode(Node):
             return
         self._stale_parameters = False
         known = self._mission.motion_map
-        self._mission = Mission(self._settings.values)
+        self._mission = mission_of(self._settings.values)
         self._ticks.max_age = self._settings.values.timeout.pose
         self._listen(self._settings.values)
         self._missions_before = self._missions

@@ -242,3 +242,22 @@ class TestSurroundings:
         here.update(1.0, Pose2(1.0, 2.0), ring(1.0, 1.0, s0=0.3), [])
         assert here.clearance(1.0, Pose2(1.1, 2.0)) == pytest.approx(0.2)
         assert here.clearance(2.0, Pose2(1.1, 2.0)) == math.inf
+
+
+def test_on_the_way_what_is_not_seen_again_is_forgotten_at_the_second_call() -> None:
+    memory = HitMemory(RING)
+    memory.stand([reading(0.3)])
+    memory.add(np.array([(1.0, 1.0), (2.0, 2.0)]))
+    memory.add(np.array([(3.0, 3.0)]), guessed=True)
+    memory.outdate()
+    assert len(memory.points) == 4
+    memory.add(np.array([(2.0, 2.0), (4.0, 4.0)]))
+    memory.outdate()
+    assert as_set(memory.points) == {(2.0, 2.0), (4.0, 4.0)}
+    assert memory.guesses == 0
+    memory.outdate()
+    assert len(memory.points) == 0
+    memory.forget()
+    memory.stand([reading(0.3)])
+    memory.outdate()
+    assert len(memory.points) == 1  # a perception begins anew

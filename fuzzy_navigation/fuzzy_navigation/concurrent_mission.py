@@ -1,0 +1,227 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""The mission of a robot that maps while it moves.
+
+Paper, section II: perception, by far the most expensive phase, can be done during the motion if
+both are concurrent processes. The mapper then fuses packet after packet without being asked, and
+this mission has the path planned anew with every map that comes on the way, from a little ahead of
+the robot, which goes over to it without a stop. Where a stop condition of the motion holds, the
+robot stands; it goes on at once if the map that is there has a way on. If not, it does what the
+alternating mission does: it perceives, and from then on that one's rules hold, verdicts included.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from enum import Enum
+
+import numpy as np
+
+from fuzzy_map_building.types import Pose2
+from fuzzy_navigation import verdicts
+from fuzzy_navigation.explored_area import ExploredArea
+from fuzzy_navigation.mission import Mission
+from fuzzy_navigation.mission_state import State
+from fuzzy_navigation.mission_types import Command, Commands, Plan, Stop
+from fuzzy_navigation.params import MotionParameters
+from fuzzy_navigation.plan_types import PlanResult, PlanStatus
+from fuzzy_navigation.planned_path import PlannedPath
+
+__all__ = ["ConcurrentMission", "mission_of"]
+
+#: Way after which a map that is made on the way counts as a perception [m]: what robots come from
+#: one to the next that stand for each, so that limits in perceptions mean the same for both.
+LOOK_SPACING = 0.8
+#: How far ahead of the robot another path leaves the one that it follows: this far [m], and what
+#: it comes in a time [s].
+FORK_DISTANCE, FORK_TIME = 0.2, 0.3
+#: The first cell that a path leads to lies farther from the robot than this, in cells.
+NEAREST = 0.7
+#: A path that stays so close to another is the same up to where the robot may drive and a few
+#: cells beyond; one that comes so close to the end of what is explored of it leads there as well.
+SAME, BEYOND, LIKE = 1.5, 4, 3.0
+#: As long as the robot may drive on by more than this [m] it does not change its mind.
+SETTLED = 0.6
+#: Way from one stop to the next below which a stop is one for a perception [m].
+LEAST_WAY = 0.3
+
+#: How a new path compares with that which the robot follows.
+Course = Enum("Course", ["SAME", "LIKE", "OTHER"])
+
+
+def mission_of(parameters: MotionParameters | None = None) -> Mission:
+    """Return the mission that goes by some parameters, concurrent or alternating."""
+    if parameters is not None and parameters.concurrent:
+        return ConcurrentMission(parameters)
+    return Mission(parameters)
+
+
+class ConcurrentMission(Mission):
+    """Brings the robot to one goal after the other, mapping while it moves.
+
+    Parameters
+    ----------
+    parameters : MotionParameters, optional
+        Rules and limits.
+    """
+
+    def __init__(self, parameters: MotionParameters | None = None) -> None:
+        super().__init__(parameters)
+        self._maps = 0
+        #: The map that the newest plan rests on.
+        self._planned_on = 0
+        #: Whether the newest plan was asked for by a robot that stood, without a perception.
+        self._unseen = False
+        #: Way at the last map that counted as a perception [m].
+        self._way_looked = 0.0
+        #: Way at the last stop [m].
+        self._way_stopped = 0.0
+        #: Cell of the path from which on a new one is asked for.
+        self._fork = 0
+
+    def on_plan(self, now: float, request: int, plan: PlanResult) -> Commands:
+        """See `Mission.on_plan`; on the way the robot goes over to the new path."""
+        if self._state is State.MOVING:
+            self._advance(now)
+            if self._awaits(State.MOVING, request):
+                self._request.settle()
+                self._divert(plan)
+            return ()
+        unseen = self._unseen and self._awaits(State.PLANNING, request)
+        if unseen and plan.status == PlanStatus.NO_PATH:
+            self._advance(now)
+            return tuple(self._perceive())
+        return super().on_plan(now, request, plan)
+
+    def on_plan_error(self, now: float, request: int, message: str) -> Commands:
+        """See `Mission.on_plan_error`; a robot on its way follows the path that it has."""
+        if self._awaits(State.MOVING, request):
+            self._advance(now)
+            self._request.settle()
+            return ()
+        return super().on_plan_error(now, request, message)
+
+    def _mapped(self, now: float, area: ExploredArea, stamp: float | None) -> Commands:
+        commands = super()._mapped(now, area, stamp)
+        self._maps += 1
+        if self._state is not State.MOVING:
+            return commands
+        return (*commands, *self._on_the_way(now))
+
+    def _watch(self) -> list[Command]:
+        if self._state is State.MOVING and self._request.overdue(self._time.elapsed):
+            self._request.settle()
+        return super()._watch()
+
+    def _set_out(self) -> list[Command]:
+        verdict = verdicts.arrival(self._record, self._here)
+        if verdict:
+            return self._finish(verdict)
+        self._way_looked = self._way_stopped = 0.0
+        if self._area is None or not self._area.holds(self._here.x, self._here.y):
+            return self._perceive()
+        self._around.move_on()
+        return self._plan_unseen()
+
+    def _perceive(self) -> list[Command]:
+        self._unseen = False
+        self._way_looked = self._record.path_length
+        return super()._perceive()
+
+    def _plan(self) -> list[Command]:
+        self._planned_on = self._maps
+        return super()._plan()
+
+    def _plan_unseen(self) -> list[Command]:
+        """Plan on the map that is there: the robot stands and has not looked from here."""
+        self._unseen = True
+        return [self._with_present_hits(plan) for plan in self._plan()]
+
+    def _on_the_way(self, now: float) -> list[Command]:
+        """Count what was seen on the way, and plan anew."""
+        record, motion = self._record, self._motion
+        if record.path_length - self._way_looked >= LOOK_SPACING:
+            self._way_looked = record.path_length
+            record.perceived(now, self._here, self._distance_remaining())
+            self._tried.perceived(self._known, self._here)
+            self._around.move_on()
+            motion.tighten()
+            verdict = verdicts.exhaustion(record, self._p, self._distance_remaining())
+            if verdict:
+                return self._finish(verdict)
+        if self._request.open:
+            return []
+        self._fork = motion.ahead(FORK_DISTANCE + FORK_TIME * motion.velocity[0])
+        x, y = motion.path.points[self._fork].tolist()
+        start = Pose2(x, y, self._here.theta)
+        commands = [self._with_present_hits(plan) for plan in self._plan()]
+        self._state = State.MOVING
+        return [replace(c, start=start) if isinstance(c, Plan) else c for c in commands]
+
+    def _with_present_hits(self, command: Command) -> Command:
+        if not isinstance(command, Plan):
+            return command
+        hits = self._around.known(self._time.clock)
+        return replace(command, hits=tuple((x, y) for x, y in hits.tolist()))
+
+    def _divert(self, plan: PlanResult) -> None:
+        """Go over to a path that was planned from the fork, where that is of use."""
+        motion = self._motion
+        path = self._joined(plan) if plan.status == PlanStatus.FOUND else None
+        if path is None or motion.room > SETTLED:
+            return
+        reach = self._known.reach(path.points)
+        course = self._compared(path, reach)
+        if course is Course.SAME or (reach == 0 and len(path.points) > 1):
+            return
+        if course is Course.OTHER:
+            # Where the path led to is as good as tried: a robot that stands would have been there.
+            self._note_stop(Stop.UNEXPLORED)
+        self._record.alpha = plan.alpha
+        hits = self._around.known(self._time.clock)
+        motion.divert(self._here, path, self._record.goal, reach, hits)
+
+    def _joined(self, plan: PlanResult) -> PlannedPath | None:
+        """Return the path up to the fork and the planned one; None if the robot is beyond it."""
+        motion = self._motion
+        first = motion.passed
+        if self._fork < first:
+            return None
+        nearest = NEAREST * motion.path.resolution
+        if first < self._fork and motion.distance_to(first + 1, self._here) < nearest:
+            first += 1
+        poses = [Pose2(x, y) for x, y in motion.path.points[first : self._fork].tolist()]
+        geometry = self._known.geometry
+        try:
+            return PlannedPath.of([*poses, *plan.poses], plan.alpha, geometry, self._here)
+        except ValueError:
+            return None
+
+    def _compared(self, path: PlannedPath, reach: int) -> Course:
+        """Tell how a new path differs from the one that the robot follows."""
+        old = self._motion.path.points
+        near = path.points[: reach + BEYOND]
+        apart = np.hypot(*(near[:, None, :] - old[None, :, :]).transpose(2, 0, 1)).min(axis=1)
+        if apart.max() <= SAME * path.resolution:
+            return Course.SAME
+        x, y = old[self._motion.reach]
+        to_end = np.hypot(path.points[:, 0] - x, path.points[:, 1] - y).min()
+        return Course.LIKE if to_end <= LIKE * path.resolution else Course.OTHER
+
+    def _stopped(self) -> list[Command]:
+        """Go on where the map has a way on; else perceive, and judge as a robot that stood."""
+        motion = self._motion
+        assert motion.stopped is not None
+        if verdicts.arrival(self._record, self._here):
+            return super()._stopped()
+        way = self._record.path_length - self._way_stopped
+        self._way_stopped = self._record.path_length
+        news = self._maps > self._planned_on or motion.stopped is Stop.CLEARANCE
+        if motion.came_on and news and way >= LEAST_WAY:
+            self._note_stop(motion.stopped)
+            return self._plan_unseen()
+        if self._unseen and not motion.came_on:
+            # No perception was in vain.
+            self._record.last_stop = motion.stopped
+            return self._perceive()
+        return super()._stopped()

@@ -1,0 +1,46 @@
+# Copyright 2026 The fuzzy navigation maintainers
+# SPDX-License-Identifier: Apache-2.0
+"""A whole mission that maps while it moves, beside one that stands for each perception."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+import fuzzy_navigation
+from nomad_sim.headless import CONTROL_PERIOD, HeadlessMission, run_mission
+from nomad_sim.world_io import load_world
+
+EXAMPLE = Path(fuzzy_navigation.__file__).parents[1] / "config" / "concurrent.yaml"
+
+
+def by_example() -> dict[str, dict[str, object]]:
+    """What the example for users sets, of mapper and motion."""
+    nodes = yaml.safe_load(EXAMPLE.read_text())
+    return {name: nodes[f"/**/fuzzy_{name}"]["ros__parameters"] for name in ("mapper", "motion")}
+
+
+@pytest.mark.skipif(not EXAMPLE.is_file(), reason="the package is installed without its sources")
+def test_mapping_while_moving_takes_less_time_and_is_as_safe() -> None:
+    mission = HeadlessMission("lab", seed=1, **by_example())
+    speeds = []
+    while mission.verdict is None:
+        before = mission.simulator.pose
+        mission.tick()
+        after = mission.simulator.pose
+        speeds.append(after.distance_to(before.x, before.y) / CONTROL_PERIOD)
+    simulator, verdict = mission.simulator, mission.verdict
+    goal = load_world("lab").goal
+    assert simulator.pose.distance_to(*goal) <= 0.3 + 0.02
+    assert simulator.contacts == 0
+    assert simulator.least_clearance > 0.08
+    # It stood for few of its maps, and drove most of the time.
+    assert simulator.perceptions < 8
+    assert mission.mapper.perceptions > 5 * simulator.perceptions
+    assert np.mean(np.array(speeds) > 0.1) > 0.6
+    alternating = run_mission("lab", seed=1)
+    assert alternating.reached
+    assert verdict.duration < 0.9 * alternating.duration
+    # Ways are counted alike: about as many perceptions to a metre.
+    assert verdict.perceptions < 2 * alternating.perceptions
