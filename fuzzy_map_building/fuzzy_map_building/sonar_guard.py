@@ -26,7 +26,16 @@ from fuzzy_map_building.sensor_params import (
     SonarGuardParameters,
     SonarParameters,
 )
-from fuzzy_map_building.sonar_packet import SonarPacket
+from fuzzy_map_building.sonar_packet import (
+    APEX_X,
+    APEX_Y,
+    AXIS_X,
+    AXIS_Y,
+    DIRECTION,
+    EMPTY,
+    OCCUPIED,
+    SonarPacket,
+)
 from fuzzy_map_building.types import InfraredReading, Pose2, SonarReading
 
 __all__ = ["cut_rays", "guard_points", "ray_limits", "rim_points"]
@@ -82,17 +91,21 @@ def guard_points(
     short = _short(sonar, sonar_p, reach + robot_radius)
     if not short:
         return np.zeros((0, 2))
-    centre, direction, distance = _unexplained(short, hits, sonar_p, guard)
-    if not len(distance):
+    returns = _unexplained(short, hits, sonar_p, guard)
+    if not len(returns):
         return np.zeros((0, 2))
-    angles = direction[:, None] + np.array([0.0, guard.spread, -guard.spread])
-    rays = np.stack((np.cos(angles), np.sin(angles)), axis=2)
-    points: FloatArray = centre[:, None, :] + distance[:, None, None] * rays
-    vetoed = _vetoed(points, sonar, sonar_p, guard)
-    # The echo came from somewhere: where nothing is left it may have been anywhere.
-    vetoed &= ~vetoed.all(axis=1, keepdims=True)
-    kept: FloatArray = points[~vetoed]
-    return kept
+    packet = SonarPacket.from_readings(sonar, sonar_p)
+    points = np.empty((3 * len(returns), 2))
+    count = _stand_for(
+        for_kernel(returns),
+        for_kernel(packet.cones),
+        packet.forward,
+        guard.spread,
+        guard.veto_angle,
+        guard.veto_excess,
+        for_kernel(points),
+    )
+    return points[:count]
 
 
 def rim_points(
@@ -124,10 +137,10 @@ def rim_points(
     close = [reading for reading in sonar if reading.range == -math.inf]
     if not close:
         return np.zeros((0, 2))
-    centre, direction, _ = _unexplained(close, known, sonar_p, guard)
-    angles = direction[:, None] + np.array([0.0, RIM_SPREAD, -RIM_SPREAD])
+    returns = _unexplained(close, known, sonar_p, guard)
+    angles = returns[:, 2:3] + np.array([0.0, RIM_SPREAD, -RIM_SPREAD])
     rays = np.stack((np.cos(angles), np.sin(angles)), axis=2)
-    points: FloatArray = (centre[:, None, :] + robot_radius * rays).reshape(-1, 2)
+    points: FloatArray = (returns[:, None, :2] + robot_radius * rays).reshape(-1, 2)
     return points
 
 
@@ -223,11 +236,12 @@ def _limits(
     guard: SonarGuardParameters,
 ) -> FloatArray | None:
     """Return what `ray_limits` does, for some short returns."""
-    centre, direction, distance = _unexplained(short, seen.hit_points(), sonar_p, guard)
-    if not len(distance):
+    returns = _unexplained(short, seen.hit_points(), sonar_p, guard)
+    if not len(returns):
         return None
+    centre, direction, distance = returns[:, :2], returns[:, 2], returns[:, 3:]
     rays = np.column_stack((np.cos(direction), np.sin(direction)))
-    to, away = _polar(centre + distance[:, None] * rays, seen.centre)
+    to, away = _polar(centre + distance * rays, seen.centre)
     beside = _between(to, seen.direction[:, None]) <= guard.angle + _ROUNDING
     limits: FloatArray = np.where(beside, away, np.inf).min(axis=1) - guard.margin
     return limits
@@ -238,8 +252,14 @@ def _unexplained(
     hits: FloatArray,
     sonar_p: SonarParameters,
     guard: SonarGuardParameters,
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return centre, direction and distance of those of some returns that have no hit."""
+) -> FloatArray:
+    """Return those of some returns that no hit explains.
+
+    Returns
+    -------
+    ndarray of float64, shape (n, 4)
+        Centre x, y [m], direction [rad] and distance from there [m] of each.
+    """
     low, radius = sonar_p.min_range, sonar_p.mount_radius
     rows = np.array(
         [
@@ -249,7 +269,7 @@ def _unexplained(
         dtype=np.float64,
     )
     count = _keep_unexplained(for_kernel(rows), for_kernel(hits), guard.angle, guard.slack)
-    return rows[:count, :2], rows[:count, 2], rows[:count, 3]
+    return rows[:count]
 
 
 @njit
@@ -259,7 +279,7 @@ def _keep_unexplained(returns: FloatArray, hits: FloatArray, widest: float, slac
     Parameters
     ----------
     returns : ndarray of float64, shape (n, 4)
-        Centre x, y [m], direction [rad] and distance from there [m] of each.
+        As of `_unexplained`.
     hits : ndarray of float64, shape (m, 2)
         Points (x, y) [m] that may explain them.
     widest, slack : float
@@ -290,20 +310,70 @@ def _keep_unexplained(returns: FloatArray, hits: FloatArray, widest: float, slac
     return kept
 
 
-def _vetoed(
+@njit
+def _stand_for(
+    returns: FloatArray,
+    cones: FloatArray,
+    forward: float,
+    spread: float,
+    veto_angle: float,
+    veto_excess: float,
     points: FloatArray,
-    sonar: Sequence[SonarReading],
-    sonar_p: SonarParameters,
-    guard: SonarGuardParameters,
-) -> NDArray[np.bool_]:
-    """Return through which of the points, shape (n, 3, 2), a longer reading looks, (n, 3)."""
-    packet = SonarPacket.from_readings(sonar, sonar_p)
-    reach = np.maximum(packet.empty_range, packet.occupied_range) + packet.forward
-    to, away = _polar(points.reshape(-1, 2), packet.apex - packet.forward * packet.axis)
-    looks = _between(to, packet.direction[:, None]) <= guard.veto_angle + _ROUNDING
-    longer = reach[:, None] > away + guard.veto_excess
-    vetoed: NDArray[np.bool_] = np.logical_or.reduce(looks & longer, axis=0)
-    return vetoed.reshape(points.shape[:2])
+) -> int:
+    """Fill in the points that some returns stand for; tell how many they are.
+
+    Parameters
+    ----------
+    returns : ndarray of float64, shape (n, 4)
+        As of `_unexplained`.
+    cones, forward
+        Of the `SonarPacket` of all readings.
+    spread, veto_angle, veto_excess : float
+        The rule [rad, rad, m].
+    points : ndarray of float64, shape (3 n, 2)
+        Where the points (x, y) [m] go: those through which no longer reading looks.
+    """
+    kept = 0
+    for i in range(len(returns)):
+        first = kept
+        for turn in (0.0, spread, -spread):
+            angle = returns[i, 2] + turn
+            x = returns[i, 0] + returns[i, 3] * math.cos(angle)
+            y = returns[i, 1] + returns[i, 3] * math.sin(angle)
+            if not _seen_through(x, y, cones, forward, veto_angle, veto_excess):
+                points[kept, 0] = x
+                points[kept, 1] = y
+                kept += 1
+        if kept > first:
+            continue
+        # The echo came from somewhere: where nothing is left it may have been anywhere.
+        for turn in (0.0, spread, -spread):
+            angle = returns[i, 2] + turn
+            points[kept, 0] = returns[i, 0] + returns[i, 3] * math.cos(angle)
+            points[kept, 1] = returns[i, 1] + returns[i, 3] * math.sin(angle)
+            kept += 1
+    return kept
+
+
+@njit
+def _seen_through(
+    x: float,
+    y: float,
+    cones: FloatArray,
+    forward: float,
+    veto_angle: float,
+    veto_excess: float,
+) -> bool:
+    """Whether a longer reading looks through a point (x, y) [m]."""
+    for j in range(len(cones)):
+        dx = x - (cones[j, APEX_X] - forward * cones[j, AXIS_X])
+        dy = y - (cones[j, APEX_Y] - forward * cones[j, AXIS_Y])
+        reach = max(cones[j, EMPTY], cones[j, OCCUPIED]) + forward
+        if reach > math.hypot(dx, dy) + veto_excess:
+            off = math.atan2(dy, dx) - cones[j, DIRECTION]
+            if abs((off + math.pi) % (2.0 * math.pi) - math.pi) <= veto_angle + _ROUNDING:
+                return True
+    return False
 
 
 def _polar(points: FloatArray, centres: FloatArray) -> tuple[FloatArray, FloatArray]:

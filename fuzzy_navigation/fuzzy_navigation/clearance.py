@@ -161,7 +161,8 @@ class InfraredRing:
         self._hits = None
         for reading in readings:
             held = self._newest.get(reading.sensor)
-            if not math.isnan(reading.range) and (held is None or reading.stamp >= held.stamp):
+            faulty = reading.range != reading.range
+            if not faulty and (held is None or reading.stamp >= held.stamp):
                 self._newest[reading.sensor] = reading
 
     def clear(self) -> None:

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import math
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -271,8 +271,8 @@ class Follower:
         """Find the robot along the leg: the nearest sample, and how far left of it it is."""
         # Only near where it was: the path may come by here again later.
         reach = SEARCH + self._v * dt
-        first = int(np.searchsorted(leg.s, self._progress - SEARCH))
-        last = int(np.searchsorted(leg.s, self._progress + reach, side="right"))
+        first = bisect_left(leg.s, self._progress - SEARCH)
+        last = bisect_right(leg.s, self._progress + reach)
         i = first + _nearest(pose.x, pose.y, for_kernel(leg.xy[first:last]))
         dx, dy = pose.x - float(leg.xy[i, 0]), pose.y - float(leg.xy[i, 1])
         c, s = math.cos(leg.heading[i]), math.sin(leg.heading[i])

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -49,17 +48,22 @@ class RingWatch:
 
     def update(self, readings: Sequence[RangeReading]) -> None:
         """Take readings; one that is faulty (NaN) or older than its sensor's newest is none."""
+        low, high = self._limits
         for reading in readings:
-            heard = self._heard.get(reading.sensor)
-            if math.isnan(reading.range) or (heard is not None and reading.stamp < heard.stamp):
+            distance = reading.range
+            if distance != distance:
                 continue
-            direction = reading.pose.theta + reading.bearing
-            if heard is None or reading.range != heard.range:
-                self._heard[reading.sensor] = _Heard(reading.stamp, reading.range, direction)
-            else:
+            heard = self._heard.get(reading.sensor)
+            if heard is None or distance != heard.range:
+                if heard is None or reading.stamp >= heard.stamp:
+                    direction = reading.pose.theta + reading.bearing
+                    self._heard[reading.sensor] = _Heard(reading.stamp, distance, direction)
+            elif reading.stamp >= heard.stamp:
                 heard.stamp = reading.stamp
-                turned = abs(wrap_angle(direction - heard.direction))
-                heard.turned = max(heard.turned, turned)
+                if low < distance < high:
+                    direction = reading.pose.theta + reading.bearing
+                    turned = abs(wrap_angle(direction - heard.direction))
+                    heard.turned = max(heard.turned, turned)
 
     def silent(self, now: float, limit: float) -> list[str]:
         """Return the frames of the sensors without a reading of the last `limit` [s]."""

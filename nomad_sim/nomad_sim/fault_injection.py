@@ -44,6 +44,7 @@ class FaultInjector:
         self._values = []
         self._clocks = []
         self._ways: dict[str, list[_Way]] = {"infrared": [], "sonar": [], "turret": [], "pose": []}
+        self._any = len(faults) > 0
         for number, fault in enumerate(faults):
             random = np.random.default_rng([seed, _STREAM, number])
             if fault.target == "clock":
@@ -60,6 +61,8 @@ class FaultInjector:
 
     def apply(self, told: Telemetry) -> Telemetry:
         """Return what arrives in a tick in which `told` is sent."""
+        if not self._any:
+            return told
         infrared, sonar, turret, pose = told.infrared, told.sonar, told.turret, told.pose
         for fault in self._values:
             target, time = fault.target, told.time

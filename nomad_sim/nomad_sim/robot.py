@@ -18,6 +18,7 @@ from nomad_sim.ray_casting import nearest_distance
 __all__ = ["ROUNDING", "Velocity", "arc", "arc_end", "drive", "next_velocity", "turned"]
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 #: Overlap with an obstacle that is none: driving along a wall in touch with it must not jam [m].
 ROUNDING = 1e-9
@@ -114,7 +115,7 @@ def next_velocity(
 
 
 @njit
-def drive(
+def _until_touch(
     x: float,
     y: float,
     theta: float,
@@ -124,41 +125,21 @@ def drive(
     radius: float,
     segments: FloatArray,
     circles: FloatArray,
-    solids: NDArray[np.int64],
-) -> tuple[float, float, float, float, float]:
-    """Drive an arc until it is over or the body touches something.
+    solids: IntArray,
+) -> tuple[float, float]:
+    """Return which part of an arc the body drives before it touches, and its clearance there.
 
-    Parameters
-    ----------
-    x, y, theta : float
-        Where the robot is [m, m, rad].
-    linear, angular : float
-        Speed [m/s] and turning rate [rad/s].
-    dt : float
-        Time [s].
-    radius : float
-        Radius of the body [m].
-    segments, circles, solids : ndarray
-        Surfaces, as for `ray_casting.nearest_distance`.
-
-    Returns
-    -------
-    x, y, theta : float
-        Where it gets [m, m, rad].
-    share : float
-        Which part of the arc it drives, 1 without a touch.
-    clearance : float
-        Distance from the body there to the nearest surface [m], negative inside.
+    See `drive`; the part is 1 without a touch, the clearance [m] negative inside an obstacle.
     """
     end = arc_end(x, y, theta, linear, angular, dt)
     clearance = nearest_distance(end[0], end[1], segments, circles, solids) - radius
     if linear == 0.0 or clearance >= -ROUNDING:
-        return end[0], end[1], end[2], 1.0, clearance
+        return 1.0, clearance
     now = nearest_distance(x, y, segments, circles, solids) - radius
     # Whoever is inside an obstacle, since it came over him, may still get out.
     least = min(-ROUNDING, now)
     if clearance >= least:
-        return end[0], end[1], end[2], 1.0, clearance
+        return 1.0, clearance
     low, high = 0.0, 1.0
     for _ in range(_HALVINGS if now > _RESTING else 0):
         middle = 0.5 * (low + high)
@@ -168,8 +149,76 @@ def drive(
         else:
             high = middle
     end = arc_end(x, y, theta, linear, angular, low * dt)
-    clearance = nearest_distance(end[0], end[1], segments, circles, solids) - radius
-    return end[0], end[1], end[2], low, clearance
+    return low, nearest_distance(end[0], end[1], segments, circles, solids) - radius
+
+
+@njit
+def drive(
+    x: float,
+    y: float,
+    theta: float,
+    linear: float,
+    angular: float,
+    target_linear: float,
+    target_angular: float,
+    times: FloatArray,
+    limits: FloatArray,
+    radius: float,
+    segments: FloatArray,
+    circles: FloatArray,
+    solids: IntArray,
+) -> FloatArray:
+    """Drive towards a commanded velocity, and stand where the body touches something.
+
+    Parameters
+    ----------
+    x, y, theta : float
+        Where the robot is [m, m, rad].
+    linear, angular, target_linear, target_angular : float
+        Present and commanded speed [m/s] and turning rate [rad/s].
+    times : ndarray of float64, shape (n,)
+        Times [s] one after the other, in each of which the velocity stays the same.
+    limits : ndarray of float64, shape (5,)
+        Of the drives, as `next_velocity` takes them.
+    radius : float
+        Radius of the body [m].
+    segments, circles, solids : ndarray
+        Surfaces, as for `ray_casting.nearest_distance`.
+
+    Returns
+    -------
+    ndarray of float64, shape (n, 7)
+        Of each time: velocity [m/s, rad/s], pose at its end [m, m, rad], for which part of it
+        the robot drove, and its clearance there [m]. Where the part is below 1 it stands then.
+    """
+    track = np.empty((len(times), 7))
+    for i in range(len(times)):
+        linear, angular = next_velocity(
+            linear,
+            angular,
+            target_linear,
+            target_angular,
+            limits[0],
+            limits[1],
+            limits[2],
+            limits[3],
+            limits[4],
+            times[i],
+        )
+        part, clearance = _until_touch(
+            x, y, theta, linear, angular, times[i], radius, segments, circles, solids
+        )
+        x, y, theta = arc_end(x, y, theta, linear, angular, part * times[i])
+        track[i, 0] = linear
+        track[i, 1] = angular
+        track[i, 2] = x
+        track[i, 3] = y
+        track[i, 4] = theta
+        track[i, 5] = part
+        track[i, 6] = clearance
+        if part < 1.0:
+            linear = angular = 0.0
+    return track
 
 
 def turned(angle: float, target: float, limit: float) -> float:

@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +17,7 @@ from nomad_sim.ground_truth import occupancy
 from nomad_sim.infrared import InfraredRing
 from nomad_sim.odometry import Odometry
 from nomad_sim.params import SimulatorParameters, simulator_parameters
-from nomad_sim.robot import ROUNDING, Velocity, arc, drive, next_velocity, turned
+from nomad_sim.robot import ROUNDING, Velocity, arc, drive, turned
 from nomad_sim.sonar import SonarEvent, SonarRing
 from nomad_sim.surfaces import Surfaces
 from nomad_sim.world import World
@@ -132,13 +134,13 @@ class Simulator:
         command = Velocity(linear, angular)
         start, duration = self._nanoseconds, round(dt * _NANO)
         self._events = []
-        arcs: list[tuple[float, float]] = []
-        for part in range(_PARTS):
-            begin = start + duration * part // _PARTS
-            end = start + duration * (part + 1) // _PARTS
-            if end > begin:
-                arcs.append(self._advance(command, begin, end))
-        self._odometry.add(arcs)
+        ends = [start + duration * part // _PARTS for part in range(_PARTS + 1)]
+        spans = [(begin, end) for begin, end in itertools.pairwise(ends) if end > begin]
+        if self.world.moving:
+            for span in spans:
+                self._advance(command, [span])
+        else:
+            self._advance(command, spans)
         self._infrared = self._infrareds.read(self._pose, self._surfaces(self._nanoseconds))
 
     def command_turret(self, angle: float) -> None:
@@ -235,55 +237,62 @@ class Simulator:
     def _surfaces(self, nanoseconds: int) -> Surfaces:
         return self.world.surfaces(nanoseconds / _NANO, self._perceptions)
 
-    def _advance(self, command: Velocity, begin: int, end: int) -> tuple[float, float]:
-        """Move for a part of a step and fire the sonars that are due in it.
+    def _advance(self, command: Velocity, spans: Sequence[tuple[int, int]]) -> None:
+        """Move and fire the sonars that are due.
 
-        Returns the way driven [m] and the angle turned [rad].
+        Parameters
+        ----------
+        command : Velocity
+            What the robot is told.
+        spans : sequence of tuple of int
+            Begin and end [ns] of times, one after the other, after each of which contact is
+            checked; what is there stays where it is at the end of the last.
         """
-        p = self.parameters
-        dt = (end - begin) / _NANO
-        before, turret, robot = self._pose, self._turret_angle, p.robot
-        linear, angular = next_velocity(
+        robot, rate = self.parameters.robot, self.parameters.turret.max_rate
+        there = self._surfaces(spans[-1][1])
+        times = [(end - begin) / _NANO for begin, end in spans]
+        track = drive(
+            self._pose.x,
+            self._pose.y,
+            self._pose.theta,
             *self._velocity,
             *command,
-            robot.max_linear,
-            robot.max_angular,
-            robot.linear_acceleration,
-            robot.linear_deceleration,
-            robot.angular_acceleration,
-            dt,
-        )
-        there = self._surfaces(end)
-        x, y, theta, share, self._clearance = drive(
-            before.x,
-            before.y,
-            before.theta,
-            linear,
-            angular,
-            dt,
+            np.array(times),
+            np.array(
+                (
+                    robot.max_linear,
+                    robot.max_angular,
+                    robot.linear_acceleration,
+                    robot.linear_deceleration,
+                    robot.angular_acceleration,
+                )
+            ),
             robot.radius,
             there.segments,
             there.circles,
             there.solids,
         )
-        self._velocity = Velocity(linear, angular) if share == 1.0 else Velocity()
-        self._pose = Pose2(x, y, theta)
-        moving = share * dt
-        self._turret_angle = turned(turret, self._turret_target, p.turret.max_rate * dt)
-        self._nanoseconds = end
-        self._feel(blocked=share < 1.0)
-        while (self._fired + 1) * self._firing_interval <= end:
-            due = (self._fired + 1) * self._firing_interval
-            elapsed = (due - begin) / _NANO
-            self._events += self._sonars.fire(
-                self._fired,
-                due / _NANO,
-                arc(before, linear, angular, min(elapsed, moving)),
-                turned(turret, self._turret_target, p.turret.max_rate * elapsed),
-                self._surfaces(due),
-            )
-            self._fired += 1
-        return linear * moving, angular * moving
+        arcs = []
+        for (begin, end), dt, row in zip(spans, times, track.tolist(), strict=True):
+            linear, angular, x, y, theta, part, self._clearance = row
+            before, turret, moving = self._pose, self._turret_angle, part * dt
+            self._velocity = Velocity(linear, angular) if part == 1.0 else Velocity()
+            self._pose = Pose2(x, y, theta)
+            arcs.append((linear * moving, angular * moving))
+            self._turret_angle = turned(turret, self._turret_target, rate * dt)
+            self._nanoseconds = end
+            self._feel(blocked=part < 1.0)
+            while (due := (self._fired + 1) * self._firing_interval) <= end:
+                elapsed = (due - begin) / _NANO
+                self._events += self._sonars.fire(
+                    self._fired,
+                    due / _NANO,
+                    arc(before, linear, angular, min(elapsed, moving)),
+                    turned(turret, self._turret_target, rate * elapsed),
+                    self._surfaces(due),
+                )
+                self._fired += 1
+        self._odometry.add(arcs)
 
     def _feel(self, *, blocked: bool) -> None:
         """Update the least clearance and contact."""

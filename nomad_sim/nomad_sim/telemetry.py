@@ -10,6 +10,7 @@ one process takes it as the nodes take messages, so that a fault put in between
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import count, repeat
 from typing import NamedTuple
 
 from fuzzy_map_building.types import Pose2
@@ -80,10 +81,7 @@ def telemetry_of(simulator: Simulator) -> Telemetry:
     return Telemetry(
         time=now,
         clock=now,
-        infrared=tuple(
-            RangeReport(now, value, sensor)
-            for sensor, value in enumerate(simulator.infrared().tolist())
-        ),
+        infrared=tuple(map(RangeReport, repeat(now), simulator.infrared().tolist(), count())),
         sonar=tuple(RangeReport(e.stamp, e.range, e.sensor) for e in simulator.sonar_events),
         turret=(TurretReport(now, simulator.turret_angle),),
         pose=(PoseReport(now, simulator.pose),),
