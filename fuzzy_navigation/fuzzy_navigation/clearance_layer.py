@@ -198,8 +198,8 @@ def clearance_layer(
     Returns
     -------
     RiskLayer
-        ``cut`` is mu_I of each cell's best clearance; ``cost`` is of that, of no more than 1,
-        the part that a path pays.
+        The cells with a risk: ``cut`` is mu_I of each one's best clearance; ``cost`` is of
+        that, of no more than 1, the part that a path pays.
 
     Raises
     ------
@@ -219,9 +219,11 @@ def clearance_layer(
         nearest = np.full(len(known), np.inf)
         np.minimum.at(nearest, where, (offset_x + shift_x) ** 2 + (offset_y + shift_y) ** 2)
         np.maximum(best, nearest, out=best)
-    cut = np.zeros(geometry.shape)
-    cut.flat[known] = clearance_risk(np.sqrt(best) - robot_radius, p)
-    return RiskLayer(cut, p.cost * np.minimum(cut, 1.0))
+    cut = clearance_risk(np.sqrt(best) - robot_radius, p)
+    risky = cut > 0.0
+    known, cut = known[risky], cut[risky]
+    cells = np.stack(np.divmod(known, geometry.width), axis=1)
+    return RiskLayer(cells, cut, p.cost * np.minimum(cut, 1.0))
 
 
 def _cells_near(

@@ -10,17 +10,27 @@ the same float64 numbers either way.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["HUNDREDTHS", "NO_ENTRY", "CostField", "coded_costs", "cost_field", "hundredths"]
+__all__ = [
+    "HUNDREDTHS",
+    "LAID",
+    "NO_ENTRY",
+    "CostField",
+    "coded_costs",
+    "cost_field",
+    "hundredths",
+]
 
 #: Risks that have a code: their number is the code.
 HUNDREDTHS = np.arange(101) / 100.0
 #: Code of a cell that must not be entered.
 NO_ENTRY = 127
+#: Code of a cell whose cost lies beside the table.
+LAID = 125
 
 # Below this least risk the heuristic says nothing and weights are not normalised.
 _LEAST_RISK = 1e-9
@@ -44,6 +54,10 @@ class CostField:
         No more than this a straight step costs.
     bottleneck : bool
         Whether a path costs the largest of its cells' costs (A3) rather than their sum.
+    laid : ndarray of float64, shape (h, w)
+        Costs of the cells of a window whose code is `LAID`.
+    corner : tuple of int
+        Row and column in `cells` of the first of them.
     """
 
     cells: NDArray[np.int8] | NDArray[np.float64]
@@ -51,10 +65,29 @@ class CostField:
     heuristic: float
     most: float
     bottleneck: bool
+    laid: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 0)))
+    corner: tuple[int, int] = (0, 0)
 
-    def costs(self, values: NDArray[np.generic]) -> NDArray[np.float64]:
-        """Return the costs that values of `cells` stand for."""
-        return np.asarray(values, np.float64) if self.table is None else self.table[values]
+    def at(self, rows: NDArray[np.int64], columns: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Return what it costs to enter some cells of the map, all shape (n,)."""
+        values = self.cells[rows + 1, columns + 1]
+        if self.table is None:
+            return values.astype(np.float64)
+        costs = self.table[values]
+        laid = values == LAID
+        row, column = self.corner
+        costs[laid] = self.laid[rows[laid] + 1 - row, columns[laid] + 1 - column]
+        return costs
+
+    def admissible(self) -> NDArray[np.bool_]:
+        """Return which cells of the map may be entered, shape (H, W)."""
+        inner = self.cells[1:-1, 1:-1]
+        if self.table is None:
+            return np.isfinite(inner)
+        free = np.isfinite(self.table)[inner]
+        rows, columns = np.nonzero(inner == LAID)
+        free[rows, columns] = np.isfinite(self.at(rows, columns))
+        return free
 
 
 def cost_field(
@@ -95,6 +128,8 @@ def coded_costs(
     least: float,
     epsilon: float,
     cost: str,
+    laid: NDArray[np.float64] | None = None,
+    corner: tuple[int, int] = (0, 0),
 ) -> CostField:
     """Return what it costs to enter each cell of a map in codes.
 
@@ -109,9 +144,18 @@ def coded_costs(
         Least risk with epsilon of a cell that may be entered.
     epsilon, cost
         As `cost_field` takes them.
+    laid : ndarray of float64, shape (h, w), optional
+        Risks with epsilon of the cells of a window that have the code `LAID`, infinite for
+        what must not be entered; become costs.
+    corner : tuple of int
+        Row and column in `cells` of the first of them.
     """
     _weigh(table, least, cost)
-    return _field(cells, table, least, epsilon, cost)
+    out = _field(cells, table, least, epsilon, cost)
+    if laid is None:
+        return out
+    _weigh(laid, least, cost)
+    return replace(out, laid=laid, corner=corner)
 
 
 def _field(

@@ -65,8 +65,8 @@ class KeptMap:
 
     def rungs(self, layer: RiskLayer | None) -> Rungs:
         """Return what a request climbs; there is a map."""
-        if self._coded is not None and layer is None and self._barred is None:
-            return self._coded
+        if self._coded is not None and self._barred is None:
+            return self._coded if layer is None else self._coded.under(layer)
         risk = self.augmented_risk
         assert risk is not None
         return LayeredMap(risk, layer, self._barred, self._workspace)

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy_map_building.jit import njit
+from fuzzy_navigation.cost_field import LAID
 
 __all__ = ["DIAGONAL", "STEPS", "STRAIGHT", "UNSEEN", "best_first", "trace"]
 
@@ -57,6 +58,27 @@ def longest_label(cells: int) -> int:
     return (cells * DIAGONAL << _STEP_BITS) + _STEP
 
 
+@njit
+def _weight(
+    cell: int,
+    field: NDArray[np.int8] | FloatArray,
+    table: FloatArray | None,
+    laid: FloatArray,
+    frame: IntArray,
+    width: int,
+) -> float:
+    """Return what it costs to enter a cell, as `best_first` does."""
+    if table is None:
+        weight: float = field[cell]
+    else:
+        code = field[cell] & _CODE
+        weight = table[code]
+        if code == LAID:
+            row = cell // width - frame[0]
+            weight = laid[row * frame[2] + cell % width - frame[1]]
+    return weight
+
+
 def first_entry(start: int) -> int:
     """Return the entry of the start, alone in its chain."""
     return (-1 << _LINK) + (start << _STEP_BITS)
@@ -66,6 +88,8 @@ def first_entry(start: int) -> int:
 def best_first(
     field: NDArray[np.int8] | FloatArray,
     table: FloatArray | None,
+    laid: FloatArray,
+    frame: IntArray,
     width: int,
     goal: int,
     limit: int,
@@ -95,6 +119,10 @@ def best_first(
         that must not be entered, the border among them.
     table : ndarray of float64, shape (128,), or None
         Costs that the field points to, if it does.
+    laid : ndarray of float64, shape (any,)
+        Costs of the cells of a window to which the field points as `LAID`.
+    frame : ndarray of int64, shape (3,)
+        First row and column of the window, and cells in a row of it.
     width : int
         Cells in a row, border included.
     goal : int
@@ -243,7 +271,14 @@ def best_first(
         for i in range(begin[arrival], begin[arrival + 1]):
             i &= _INDEX
             neighbour = (cell + offsets[i]) & _INDEX
-            weight = field[neighbour] if table is None else table[field[neighbour] & _CODE]
+            if table is None:
+                weight = field[neighbour]
+            else:
+                code = field[neighbour] & _CODE
+                weight = table[code]
+                if code == LAID:
+                    away = row + rows[i] - frame[0], column + columns[i] - frame[1]
+                    weight = laid[(away[0] * frame[2] + away[1]) & _INDEX]
             if bottleneck:
                 # g3 of the longer path: arc costs as in the paper, section IV-A2.
                 reached = weight * factors[i]
@@ -264,11 +299,9 @@ def best_first(
             row_step = rows[i]
             column_step = columns[i]
             if row_step != 0 and column_step != 0 and not corner_cutting:
-                above = (cell + row_step * width) & _INDEX
-                beside = (cell + column_step) & _INDEX
-                weight_above = field[above] if table is None else table[field[above] & _CODE]
-                weight_beside = field[beside] if table is None else table[field[beside] & _CODE]
-                if weight_above == np.inf or weight_beside == np.inf:
+                above = _weight(cell + row_step * width, field, table, laid, frame, width)
+                beside = _weight(cell + column_step, field, table, laid, frame, width)
+                if above == np.inf or beside == np.inf:
                     continue
             cost[neighbour] = reached
             label[neighbour] = (reached_length << _STEP_BITS) + steps[i] + 1

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from enum import IntEnum
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from fuzzy_map_building.types import Pose2
 
@@ -36,14 +36,17 @@ class RiskLayer:
 
     Parameters
     ----------
-    cut : array_like, shape (H, W)
+    cells : ndarray of int64, shape (n, 2)
+        Cells (row, column) that have such a risk, each once.
+    cut : ndarray of float64, shape (n,)
         A cell is admissible by the larger of its risk and this; may exceed 1.
-    cost : array_like, shape (H, W)
+    cost : ndarray of float64, shape (n,)
         A path pays the larger of a cell's risk and this, in [0, 1].
     """
 
-    cut: ArrayLike
-    cost: ArrayLike
+    cells: NDArray[np.int64]
+    cut: NDArray[np.float64]
+    cost: NDArray[np.float64]
 
 
 @dataclass(frozen=True)

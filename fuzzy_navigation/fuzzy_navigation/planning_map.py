@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy_map_building.grid import Window
-from fuzzy_navigation.cost_field import HUNDREDTHS, NO_ENTRY, CostField, coded_costs
+from fuzzy_navigation.cost_field import HUNDREDTHS, LAID, NO_ENTRY, CostField, coded_costs
 from fuzzy_navigation.plan_types import RiskLayer
 from fuzzy_navigation.risk import (
     Footprint,
@@ -117,8 +117,10 @@ class LayeredMap:
     ) -> None:
         self._risk = self._cut = self._paid = risk
         if layer is not None:
-            self._cut = np.maximum(risk, layer.cut)
-            self._paid = np.maximum(risk, layer.cost)
+            rows, columns = layer.cells.T
+            self._cut, self._paid = risk.copy(), risk.copy()
+            self._cut[rows, columns] = np.maximum(risk[rows, columns], layer.cut)
+            self._paid[rows, columns] = np.maximum(risk[rows, columns], layer.cost)
         self._barred = barred
         self._workspace = workspace
 
@@ -165,6 +167,45 @@ class LayeredMap:
         admissible = admissible_cells(self._cut, rung, self._bars(query))
         admissible[query.start] = True
         return admissible
+
+
+@dataclass(frozen=True)
+class _Marks:
+    """What a request has marked on the map.
+
+    Parameters
+    ----------
+    start : float
+        Risk that a path pays at the start.
+    layer : RiskLayer, optional
+        Risks that come on top.
+    risks : ndarray of float64, shape (n,)
+        Risks of the layer's cells without it.
+    """
+
+    start: float
+    layer: RiskLayer | None
+    risks: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class _Covered:
+    """A planning map in hundredths with a layer of risk over it."""
+
+    ground: PlanningMap
+    layer: RiskLayer
+
+    def search(self, query: Query, rung: float) -> SearchResult | None:
+        """See `Rungs`."""
+        return self.ground.search(query, rung, self.layer)
+
+    def blocked(self, query: Query, rung: float) -> bool:
+        """See `Rungs`."""
+        return self.ground.blocked(query, rung, self.layer)
+
+    def risks(self, query: Query, path: Cells) -> tuple[float, float, float]:
+        """See `Rungs`."""
+        return self.ground.risks(query, path)
 
 
 class PlanningMap:
@@ -235,42 +276,49 @@ class PlanningMap:
         self._count -= self._histogram(touched)
         self._augment(touched)
 
-    def search(self, query: Query, rung: float) -> SearchResult | None:
+    def under(self, layer: RiskLayer) -> Rungs:
+        """Return the map with a layer of risk over it."""
+        return _Covered(self, layer)
+
+    def search(
+        self, query: Query, rung: float, layer: RiskLayer | None = None
+    ) -> SearchResult | None:
         """See `Rungs`."""
-        with self._marked(query) as start_risk:
-            field = self._costs(query, rung, start_risk)
-            ends = query.ends[self._enterable(field, query)]
+        with self._marked(query, layer) as marks:
+            risks, field = self._costs(query, rung, marks)
+            ends = query.ends[np.isfinite(field.at(*query.ends.T))]
             if len(ends) == 0:
                 return None
             size = self._codes.size
-            found = self._path(field, query, ends[0], max(PATIENCE, int(size * _WORTH_A_LOOK)))
+            limit = max(PATIENCE, int(size * _WORTH_A_LOOK))
+            found = self._path(risks, field, query, ends[0], limit)
             if found is None:
-                free = np.isfinite(field.costs(self._inner))
                 end = first_reachable(
-                    free, query.start, ends, query.adjacency, query.corner_cutting
+                    field.admissible(), query.start, ends, query.adjacency, query.corner_cutting
                 )
                 if end is None:
                     return None
-                found = self._path(field, query, end, size)
+                found = self._path(risks, field, query, end, size)
         return found
 
-    def blocked(self, query: Query, rung: float) -> bool:
+    def blocked(self, query: Query, rung: float, layer: RiskLayer | None = None) -> bool:
         """See `Rungs`."""
-        with self._marked(query) as start_risk:
-            field = self._costs(query, rung, start_risk)
-            return not self._enterable(field, query).any()
+        with self._marked(query, layer) as marks:
+            _, field = self._costs(query, rung, marks)
+            return not np.isfinite(field.at(*query.ends.T)).any()
 
     def risks(self, query: Query, path: Cells) -> tuple[float, float, float]:
         """See `Rungs`."""
         mu = HUNDREDTHS[self._inner[path[:, 0], path[:, 1]]] + query.epsilon
         return risks_of_path(mu, path, query.diagonal)
 
-    def _enterable(self, field: CostField, query: Query) -> NDArray[np.bool_]:
-        codes = self._inner[query.ends[:, 0], query.ends[:, 1]]
-        return np.isfinite(field.costs(codes))
-
     def _path(
-        self, field: CostField, query: Query, end: Sequence[int] | Cells, limit: int
+        self,
+        risks: CostField,
+        field: CostField,
+        query: Query,
+        end: Sequence[int] | Cells,
+        limit: int,
     ) -> SearchResult | None:
         goal = (int(end[0]), int(end[1]))
         path, expanded = np.array([query.start], dtype=np.int64), 0
@@ -286,39 +334,59 @@ class PlanningMap:
             )
         if len(path) == 0:
             return None
-        codes = self._inner[path[:, 0], path[:, 1]]
-        codes[0] = self._start_code
-        risks = np.maximum(HUNDREDTHS[codes], query.least_risk)
-        costs = risks_of_path(risks + query.epsilon, path, query.diagonal)
+        costs = risks_of_path(risks.at(*path.T), path, query.diagonal)
         return SearchResult(True, path, *costs, expanded)
 
-    def _costs(self, query: Query, rung: float, start_risk: float) -> CostField:
-        """Return what it costs to enter each cell."""
-        admissible = (rung >= HUNDREDTHS) & (self._count > 0)
+    def _costs(self, query: Query, rung: float, marks: _Marks) -> tuple[CostField, CostField]:
+        """Return the risks of the cells with epsilon, and what it costs to enter each."""
         paid = np.maximum(HUNDREDTHS, query.least_risk)
-        start_risk = max(start_risk, query.least_risk)
-        least = min(float(paid[admissible].min(initial=math.inf)), start_risk)
         table = np.full(NO_ENTRY + 1, math.inf)
         table[: len(HUNDREDTHS)] = np.where(rung >= HUNDREDTHS, paid, math.inf)
-        table[_START] = start_risk
+        table[_START] = max(marks.start, query.least_risk)
+        present = np.append(self._count > 0, [True])
+        least = float(np.append(table[: len(HUNDREDTHS)], table[_START])[present].min())
+        laid, corner = np.empty((0, 0)), (0, 0)
+        if marks.layer is not None:
+            cells = marks.layer.cells
+            dear = np.maximum(np.maximum(marks.risks, marks.layer.cost), query.least_risk)
+            dear[np.maximum(marks.risks, marks.layer.cut) > rung] = math.inf
+            least = min(least, float(dear.min()))
+            first = cells.min(axis=0)
+            laid = np.full(cells.max(axis=0) - first + 1, math.inf)
+            laid[tuple((cells - first).T)] = dear
+            corner = (int(first[0]) + 1, int(first[1]) + 1)
         table += query.epsilon
-        return coded_costs(self._field, table, least + query.epsilon, query.epsilon, query.cost)
+        laid += query.epsilon
+        risks = CostField(self._field, table, 0.0, 0.0, False, laid, corner)
+        least += query.epsilon
+        kind = (query.epsilon, query.cost)
+        return risks, coded_costs(self._field, table.copy(), least, *kind, laid.copy(), corner)
 
     @contextmanager
-    def _marked(self, query: Query) -> Iterator[float]:
-        """Have the start and the barred cells marked, and their risks not counted, meanwhile."""
-        rows = np.append(query.barred[:, 0], query.start[0])
-        columns = np.append(query.barred[:, 1], query.start[1])
+    def _marked(self, query: Query, layer: RiskLayer | None) -> Iterator[_Marks]:
+        """Have what is special marked, and its risks not counted, meanwhile."""
+        if layer is not None and len(layer.cells) == 0:
+            layer = None
+        cells = np.concatenate([query.barred, [query.start]])
+        if layer is not None:
+            cells = np.concatenate([layer.cells, cells])
+        rows, columns = cells.T
         before = self._inner[rows, columns]
         places = np.unique(rows * self._codes.shape[1] + columns)
-        risks = self._inner[np.divmod(places, self._codes.shape[1])]
-        taken = np.bincount(risks, minlength=len(HUNDREDTHS))
-        self._start_code = int(before[-1])
+        taken = np.bincount(
+            self._inner[np.divmod(places, self._codes.shape[1])], minlength=len(HUNDREDTHS)
+        )
+        start = float(HUNDREDTHS[before[-1]])
+        risks = HUNDREDTHS[before[: 0 if layer is None else len(layer.cells)]]
+        if layer is not None:
+            self._inner[tuple(layer.cells.T)] = LAID
+            here = (layer.cells == query.start).all(axis=1)
+            start = max(start, float(layer.cost[here].max(initial=0.0)))
         self._count -= taken
-        self._inner[rows, columns] = NO_ENTRY
+        self._inner[query.barred[:, 0], query.barred[:, 1]] = NO_ENTRY
         self._inner[query.start] = _START
         try:
-            yield float(HUNDREDTHS[self._start_code])
+            yield _Marks(start, layer, risks)
         finally:
             self._count += taken
             self._inner[rows, columns] = before

@@ -91,7 +91,7 @@ class Workspace:
         order = _order(*form, adjacency, diagonal)
         cost[origin] = 0.0
         if field.bottleneck:
-            cost[origin] = order.ticks * field.costs(flat[origin])
+            cost[origin] = order.ticks * float(field.at(*np.array([start]).T)[0])
         self._label[origin] = 0
         control = np.zeros(11, np.int64)
         control[kernels.FREE] = control[kernels.FINAL] = -1
@@ -110,12 +110,14 @@ class Workspace:
         everywhere = (field.bottleneck or diagonal == 1.0) and corner_cutting
         most = field.cells.size if limit is None else limit
         steps = _steps(adjacency, everywhere, width)
+        frame = np.array([*field.corner, field.laid.shape[1]])
         arrays = (*steps, order.factors[steps[1]], cost, self._label, buckets)
         path = np.empty((0, 2), np.int64)
         try:
             while not kernels.best_first(
                 for_kernel(flat),
                 None if field.table is None else for_kernel(field.table),
+                *(for_kernel(field.laid.reshape(-1)), for_kernel(frame)),
                 *(width, target, most, corner_cutting, field.bottleneck),
                 *(for_kernel(order.ahead), order.fine_bits),
                 *(for_kernel(a) for a in (*arrays, self._queue, control)),

@@ -10,6 +10,7 @@ import pytest
 from fuzzy_map_building.grid import GridGeometry, Window
 from fuzzy_map_building.occupancy import Hundredths
 from fuzzy_navigation import planning_map
+from fuzzy_navigation.layer_params import LayerParameters
 from fuzzy_navigation.params import PlannerParameters
 from fuzzy_navigation.planner import Planner, PlanStatus
 from fuzzy_navigation.risk import augment
@@ -70,11 +71,24 @@ def plans(planner, count=60):
         if k % 10 == 1:
             barred[0] = start
         cost, alpha = ("g1", "g2", "g3")[k % 3], (0.0, 0.05, 0.6)[k % 4 % 3]
-        out.append(planner.plan(tuple(start), tuple(goal), cost, alpha, barred=barred))
+        hits = rng.random((7 * (k % 3), 2)) * (0.1 * WIDTH, 0.1 * HEIGHT)
+        out.append(planner.plan(tuple(start), tuple(goal), cost, alpha, barred=barred, hits=hits))
     return out
 
 
-@pytest.mark.parametrize("options", [{}, {"corner_cutting": False}, {"diagonal": "sqrt2"}])
+LAYER = LayerParameters(enabled=True, closed=0.1, limit=0.2, free=0.4)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"corner_cutting": False},
+        {"diagonal": "sqrt2"},
+        {"layer": LAYER},
+        {"layer": LAYER, "corner_cutting": False, "least_risk": 0.03},
+    ],
+)
 @pytest.mark.parametrize("patience", [1, 4096], ids=["looks_at_all", "looks_on_its_way"])
 def test_hundredths_are_planned_on_as_any_risks_are(monkeypatch, options, patience):
     """A bar on a cell that is closed anyway makes the planner go the way of any risks."""

@@ -51,7 +51,9 @@ def test_hit_points_close_cells_and_cost_nearby():
     assert at_wall[:, 0].min() >= 21
     # Exactly where the layer by itself puts a path of least cost.
     layer = clearance_layer(planner.geometry, np.array(hits), 0.0, LayerParameters())
-    direct = find_path(layer.cost, (15, 5), (15, 35), epsilon=0.2, diagonal="sqrt2", cut=layer.cut)
+    cut, cost = np.zeros((2, *planner.geometry.shape))
+    cut[tuple(layer.cells.T)], cost[tuple(layer.cells.T)] = layer.cut, layer.cost
+    direct = find_path(cost, (15, 5), (15, 35), epsilon=0.2, diagonal="sqrt2", cut=cut)
     np.testing.assert_array_equal(around.path, direct.path)
     # The costs that are reported are the map's own; the points are the request's alone.
     steps = np.abs(np.diff(around.path, axis=0)).sum(axis=1)
