@@ -25,6 +25,7 @@ __all__ = [
     "crossings",
     "hits",
     "inside",
+    "meet_segments",
     "nearest",
     "nearest_distance",
 ]
@@ -230,7 +231,8 @@ def nearest_distance(
 
 
 @njit
-def _meet_segments(p: FloatArray, q: FloatArray, found: FloatArray) -> int:
+def meet_segments(p: FloatArray, q: FloatArray, found: FloatArray) -> int:
+    """Find where two segments cross in their interior; return how often: 0 or 1."""
     ex, ey = p[2] - p[0], p[3] - p[1]
     fx, fy = q[2] - q[0], q[3] - q[1]
     denominator = ex * fy - ey * fx
@@ -309,13 +311,14 @@ def crossings(
     found = np.empty((2, 2))
     count = 0
     n = segments.shape[0]
-    for i in range(n + circles.shape[0]):
+    m = n + circles.shape[0]
+    for i in range(m):
         known = i < first_segment or n <= i < n + first_circle
-        for j in range(i + 1, n + circles.shape[0]):
-            if known and (j < first_segment or n <= j < n + first_circle):
+        for j in range(max(i + 1, first_segment if known else 0), m):
+            if known and n <= j < n + first_circle:
                 continue
             if j < n:
-                number = _meet_segments(segments[i], segments[j], found)
+                number = meet_segments(segments[i], segments[j], found)
             elif i < n:
                 number = _meet_circle(segments[i], circles[j - n], found)
             else:

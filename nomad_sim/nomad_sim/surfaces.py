@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nomad_sim import ray_casting
+from nomad_sim.corners import SAME, segment_crossings, which_echo
 from nomad_sim.segment_index import SegmentIndex
 
 __all__ = ["MAX_CROSSINGS", "Outline", "Surfaces"]
@@ -26,12 +27,6 @@ BoolArray = NDArray[np.bool_]
 #: Most crossings of surfaces that are accepted.
 MAX_CROSSINGS = 20_000
 
-# Two faces that meet at less than this from straight on give no echo at their joint.
-_STRAIGHT = math.radians(5.0)
-# Distance within which ends count as one point [m].
-_SAME = 1e-6
-# How far from a vertex it is looked whether a sector is free [m].
-_PROBE = 1e-4
 # From so many segments on, rays find them by an index.
 _MANY = 500
 # Rows and columns of the parts of a grid that are compared with the same few segments.
@@ -82,50 +77,19 @@ def _crossings(
 ) -> FloatArray:
     points = np.empty((32, 2))
     count = ray_casting.crossings(segments, circles, first_segment, first_circle, points)
-    if count > MAX_CROSSINGS:
-        raise ValueError(
-            f"the surfaces of the world cross each other {count} times, more than "
-            f"{MAX_CROSSINGS}; use fewer or simpler shapes"
-        )
+    _check_number(count)
     if count > len(points):
         points = np.empty((count, 2))
         ray_casting.crossings(segments, circles, first_segment, first_circle, points)
     return points[:count]
 
 
-def _directions(point: FloatArray, segments: FloatArray) -> FloatArray:
-    """Return the directions [rad], sorted, in which faces leave a point that they touch."""
-    start, end = segments[:, :2], segments[:, 2:]
-    along = end - start
-    length = np.hypot(along[:, 0], along[:, 1])
-    offset = point - start
-    foot = (offset * along).sum(axis=1) / length
-    across = np.abs(offset[:, 0] * along[:, 1] - offset[:, 1] * along[:, 0]) / length
-    touched = (across < _SAME) & (foot > -_SAME) & (foot < length + _SAME)
-    forth = touched & (foot < length - _SAME)
-    back = touched & (foot > _SAME)
-    angles = np.concatenate(
-        [
-            np.arctan2(along[forth, 1], along[forth, 0]),
-            np.arctan2(-along[back, 1], -along[back, 0]),
-        ]
-    )
-    return np.sort(angles)
-
-
-def _echoes(point: FloatArray, segments: FloatArray, solids: IntArray) -> bool:
-    """Whether an edge or corner seen from some free side of the point is there."""
-    angles = _directions(point, segments)
-    gaps = np.diff(angles, append=angles[0] + 2.0 * math.pi)
-    for angle, gap in zip(angles, gaps, strict=True):
-        if gap < 1e-6 or abs(gap - math.pi) < _STRAIGHT:
-            continue
-        middle = angle + 0.5 * gap
-        x = point[0] + _PROBE * math.cos(middle)
-        y = point[1] + _PROBE * math.sin(middle)
-        if not ray_casting.inside(x, y, segments, solids):
-            return True
-    return False
+def _check_number(count: int) -> None:
+    if count > MAX_CROSSINGS:
+        raise ValueError(
+            f"the surfaces of the world cross each other {count} times, more than "
+            f"{MAX_CROSSINGS}; use fewer or simpler shapes"
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,20 +142,24 @@ class Surfaces:
         segments = np.concatenate([np.empty((0, 4))] + [o.segments for o in outlines])
         circles = np.concatenate([np.empty((0, 3))] + [o.circles for o in outlines])
         solids = _solids(outlines)
-        met = _crossings(segments, circles, 0, 0)
+        # The segments among themselves are looked at by place.
+        index = SegmentIndex.of(segments) if len(segments) > 0 else None
+        met = _crossings(segments, circles, len(segments), 0)
+        if index is not None:
+            crossed, count = segment_crossings(index, MAX_CROSSINGS)
+            _check_number(count + len(met))
+            met = np.concatenate([met, crossed])
         marks = np.concatenate([segments[:, :2], segments[:, 2:], met])
-        marks = marks[np.unique(np.round(marks / _SAME), axis=0, return_index=True)[1]]
+        marks = marks[np.unique(np.round(marks / SAME), axis=0, return_index=True)[1]]
         # Where a circle crosses, its face has no direction of its own: no corner is claimed.
-        corners = [
-            p for p in marks if len(_directions(p, segments)) and _echoes(p, segments, solids)
-        ]
+        edges = marks[:0] if index is None else marks[which_echo(marks, index, solids)]
         return cls(
             segments=segments,
             circles=circles,
             critical_angles=np.repeat([o.critical_angle for o in outlines] * 2, _counts(outlines)),
             opaque=np.repeat([o.opaque for o in outlines] * 2, _counts(outlines)).astype(bool),
             solids=solids,
-            edges=np.array(corners).reshape(-1, 2),
+            edges=edges,
             marks=marks,
         )
 
@@ -313,7 +281,7 @@ class Surfaces:
         reach = math.hypot(x[-1] - middle_x, y[-1] - middle_y)
         away = np.sqrt(_squares(middle_x, middle_y, self.segments.T))
         # None of the points is farther from the middle than the reach.
-        near: FloatArray = self.segments[away <= away.min() + 2.0 * reach + _SAME]
+        near: FloatArray = self.segments[away <= away.min() + 2.0 * reach + SAME]
         return near
 
     def _inside(self, column: FloatArray, row: FloatArray) -> BoolArray:
