@@ -173,7 +173,7 @@ def first_surface(
         i = numbers[k]
         if i == mirror:
             continue
-        way = hits(x, y, ux, uy, start, t, segments[i])
+        way = hits(x, y, ux, uy, start, t, segments, i)
         if way < t:
             t = way
             surface = i

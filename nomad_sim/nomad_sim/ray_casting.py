@@ -43,7 +43,14 @@ _JOINT = 1e-12
 
 @njit
 def hits(
-    x: float, y: float, ux: float, uy: float, t_min: float, t_max: float, segment: FloatArray
+    x: float,
+    y: float,
+    ux: float,
+    uy: float,
+    t_min: float,
+    t_max: float,
+    segments: FloatArray,
+    i: int,
 ) -> float:
     """Return where a ray meets a segment, ``inf`` where that is not between two ways.
 
@@ -53,13 +60,15 @@ def hits(
         Start [m] and direction of the ray, of length 1.
     t_min, t_max : float
         Ways [m] between which it counts, themselves excluded.
-    segment : ndarray of float64, shape (4,)
+    segments : ndarray of float64, shape (N, 4)
         End points x0, y0, x1, y1 [m].
+    i : int
+        Number of the segment.
     """
-    x0 = segment[0]
-    y0 = segment[1]
-    ex = segment[2] - x0
-    ey = segment[3] - y0
+    x0 = segments[i, 0]
+    y0 = segments[i, 1]
+    ex = segments[i, 2] - x0
+    ey = segments[i, 3] - y0
     denominator = ux * ey - uy * ex
     if denominator == 0.0:
         return math.inf
@@ -112,7 +121,7 @@ def nearest(
     for i in range(segments.shape[0]):
         if i == skip:
             continue
-        t = hits(x, y, ux, uy, t_min, best, segments[i])
+        t = hits(x, y, ux, uy, t_min, best, segments, i)
         if t < best:
             best = t
             surface = i

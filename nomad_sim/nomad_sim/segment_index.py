@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzy_map_building.jit import njit
+from fuzzy_map_building.jit import for_kernel, njit
 from nomad_sim.ray_casting import NO_SURFACE, TOUCHING, hits, nearest
 
 __all__ = ["SegmentIndex"]
@@ -114,7 +114,7 @@ def _cast(
             while 0 <= column < shape[1] and 0 <= row < shape[0]:
                 square = row * shape[1] + column
                 for k in range(begins[square], begins[square + 1]):
-                    t = hits(x, y, ux, uy, TOUCHING, best, segments[members[k]])
+                    t = hits(x, y, ux, uy, TOUCHING, best, segments, members[k])
                     best = min(best, t)
                 across = up = math.inf
                 if ux != 0.0:
@@ -213,15 +213,7 @@ class SegmentIndex:
             Ways [m], ``inf`` where a ray meets nothing; those of `ray_casting.cast_rays`.
         """
         ranges = np.empty(len(starts))
-        _cast(
-            starts,
-            directions,
-            self.segments,
-            circles,
-            self.frame,
-            self.shape,
-            self.begins,
-            self.members,
-            ranges,
-        )
+        squares = (self.frame, self.shape, self.begins, self.members)
+        arrays = (starts, directions, self.segments, circles, *squares, ranges)
+        _cast(*(for_kernel(a) for a in arrays))
         return ranges

@@ -13,6 +13,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzy_map_building.jit import for_kernel
 from nomad_sim import ray_casting
 from nomad_sim.corners import SAME, segment_crossings, which_echo
 from nomad_sim.segment_index import SegmentIndex
@@ -28,7 +29,7 @@ BoolArray = NDArray[np.bool_]
 MAX_CROSSINGS = 20_000
 
 # From so many segments on, rays find them by an index.
-_MANY = 500
+_MANY = 50
 # Rows and columns of the parts of a grid that are compared with the same few segments.
 _TILE = 32
 
@@ -234,11 +235,13 @@ class Surfaces:
         if sees_glass:
             segments, circles = self.segments, self.circles
         if len(segments) < _MANY:
-            return ray_casting.cast_rays(starts, directions, segments, circles)
+            arrays = (starts, directions, segments, circles)
+            ways: FloatArray = ray_casting.cast_rays(*(for_kernel(a) for a in arrays))
+            return ways
         if self.parts:
             # The index of what stands still outlives this moment.
-            ways = [p.cast_rays(starts, directions, sees_glass=sees_glass) for p in self.parts]
-            nearest: FloatArray = np.minimum.reduce(ways)
+            each = [p.cast_rays(starts, directions, sees_glass=sees_glass) for p in self.parts]
+            nearest: FloatArray = np.minimum.reduce(each)
             return nearest
         index = self._index if sees_glass else self._infrared_index
         return index.cast_rays(starts, directions, circles)
