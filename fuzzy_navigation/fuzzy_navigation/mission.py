@@ -220,6 +220,7 @@ class Mission(MissionState):
         if self.active and (refusal := verdicts.outside(self._record, area.geometry)):
             return tuple(self._finish(refusal))
         if self._state is State.MOVING:
+            self.maps_on_the_way += 1
             self._motion.allow(area.reach(self.plan_path, self._motion.passed))
         if self._state is State.PERCEIVING:
             self._map_seen |= (now if stamp is None else stamp) >= self._asked_at

@@ -54,6 +54,8 @@ class MissionState:
         self._asked_at, self._answered, self._map_seen = 0.0, False, False
         self._tried = TriedPlaces(self._p)
         self._turn = LookTurn(self._p.look_turn, self._p.follower)
+        #: Maps that came while the robot was on its way.
+        self.maps_on_the_way = 0
 
     @property
     def active(self) -> bool:
@@ -92,6 +94,11 @@ class MissionState:
         return Feedback(
             self.phase, r.last_stop, r.perceptions, r.alpha, left, self._pose, self._hold.reason
         )
+
+    @property
+    def advice(self) -> str:
+        """What is set up so that the mission cannot be done as it is meant; empty if nothing."""
+        return ""
 
     def _pose_age(self) -> float:
         return self._time.elapsed - self._pose_time

@@ -165,3 +165,16 @@ def test_a_snapshot_is_the_mappers_unless_a_file_names_another(tmp_path: Path) -
     assert not any(
         "snapshot.file" in word for name in ("planner", "motion") for word in commands[name]
     )
+
+
+def test_mapping_while_moving_is_for_mapper_and_motion_and_files_come_after(
+    tmp_path: Path,
+) -> None:
+    file = tmp_path / "a.yaml"
+    file.touch()
+    commands = node_commands("", [file], concurrent=True)
+    given = ["--params-file", str(file)]
+    settings = ["-p", "mode:=continuous", "-p", "fusion.max_count:=12"]
+    assert commands["mapper"][3:] == ["--ros-args", *settings, *given]
+    assert commands["planner"][3:] == ["--ros-args", *given]
+    assert commands["motion"][3:] == ["--ros-args", "-p", "concurrent:=true", *given]

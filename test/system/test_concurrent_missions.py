@@ -2,28 +2,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """A whole mission that maps while it moves, beside one that stands for each perception."""
 
-from pathlib import Path
-
 import numpy as np
-import pytest
-import yaml
 
-import fuzzy_navigation
+from fuzzy_navigation.concurrent_mission import SETTINGS
 from nomad_sim.headless import CONTROL_PERIOD, HeadlessMission, run_mission
 from nomad_sim.world_io import load_world
 
-EXAMPLE = Path(fuzzy_navigation.__file__).parents[1] / "config" / "concurrent.yaml"
 
-
-def by_example() -> dict[str, dict[str, object]]:
-    """What the example for users sets, of mapper and motion."""
-    nodes = yaml.safe_load(EXAMPLE.read_text())
-    return {name: nodes[f"/**/fuzzy_{name}"]["ros__parameters"] for name in ("mapper", "motion")}
-
-
-@pytest.mark.skipif(not EXAMPLE.is_file(), reason="the package is installed without its sources")
 def test_mapping_while_moving_takes_less_time_and_is_as_safe() -> None:
-    mission = HeadlessMission("lab", seed=1, **by_example())
+    mission = HeadlessMission("lab", seed=1, **SETTINGS)
     speeds = []
     while mission.verdict is None:
         before = mission.simulator.pose

@@ -26,6 +26,7 @@ from fuzzy_map_building.parameter_schema import suggest
 from fuzzy_map_building.params import PRESETS as MAPPER_PRESETS
 from fuzzy_map_building.ros.readiness import ReadyWatch, tell_ready
 from fuzzy_map_building.ros.run import EXIT_REFUSED, stop_on_signals
+from fuzzy_navigation.concurrent_mission import SETTINGS
 from fuzzy_navigation.params import MOTION_PRESETS, PLANNER_PRESETS
 from fuzzy_navigation.ros.processes import (
     CLEAN_ENDS,
@@ -54,6 +55,8 @@ def node_commands(
     namespace: str = "",
     ros_arguments: Sequence[str] = (),
     snapshot: str | Path = "",
+    *,
+    concurrent: bool = False,
 ) -> dict[str, list[str]]:
     """Return the command of each of the three nodes by name.
 
@@ -70,6 +73,8 @@ def node_commands(
     snapshot : str or Path
         File that the mapper keeps its state in unless the parameter files name another;
         empty: none.
+    concurrent : bool
+        Whether the robot maps while it moves; the parameter files may change how.
 
     Raises
     ------
@@ -90,7 +95,9 @@ def node_commands(
     for name, (module, presets) in NODES.items():
         chosen = ["-p", f"preset:={preset}"] if preset in presets else []
         kept = ["-p", f"snapshot.file:={snapshot}"] if snapshot and name == "mapper" else []
-        arguments = [*kept, *common, *chosen, *ros_arguments]
+        moving = SETTINGS.get(name, {}) if concurrent else {}
+        mode = [part for rule in moving.items() for part in ("-p", _assignment(*rule))]
+        arguments = [*kept, *mode, *common, *chosen, *ros_arguments]
         commands[name] = python_module(module, *([_ROS_ARGS, *arguments] if arguments else []))
     return commands
 
@@ -124,6 +131,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 options.namespace,
                 given[split + 1 :],
                 snapshot,
+                concurrent=options.concurrent,
             )
         except ValueError as error:
             _say(str(error))
@@ -147,6 +155,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
             _say(f"{first}; stopping the others")
         group.stop()
     return _exit_code(first, group.ended)
+
+
+def _assignment(name: str, value: object) -> str:
+    return f"{name}:={str(value).lower() if isinstance(value, bool) else value}"
 
 
 def _say(sentence: str) -> None:
@@ -175,6 +187,11 @@ def _parser() -> argparse.ArgumentParser:
         default=[],
         metavar="FILE",
         help="YAML file with parameters; may be given several times",
+    )
+    parser.add_argument(
+        "--concurrent",
+        action="store_true",
+        help="map while moving, instead of standing for each perception; parameter files win",
     )
     parser.add_argument("--namespace", default="", help="namespace of the robot")
     parser.add_argument(

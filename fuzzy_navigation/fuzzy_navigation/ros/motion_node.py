@@ -93,6 +93,7 @@ class MotionNode(Node):
         self._last_report = -math.inf
         self._reported: tuple[object, ...] = ()
         self._held = False
+        self._advised = ""
         self._missions = 0
         self._missions_before = 0  # of the mission object that is in use now
         self._verdicts: dict[int, Callable[[Finish], None]] = {}
@@ -317,6 +318,10 @@ class MotionNode(Node):
                 f"the robot stands: {feedback.hold}", throttle_duration_sec=LOG_PERIOD
             )
         self._held = bool(feedback.hold)
+        if self._mission.advice != self._advised:
+            self._advised = self._mission.advice
+            if self._advised:
+                self.get_logger().warning(self._advised)
         state = (feedback.phase, feedback.last_stop, feedback.perceptions, feedback.alpha)
         now = time.monotonic()
         if state == self._reported and now < self._last_report + REPORT_PERIOD:
@@ -333,6 +338,7 @@ class MotionNode(Node):
             "perceptions": feedback.perceptions,
             "alpha": feedback.alpha,
             "distance_remaining": f"{feedback.distance_remaining:.3f}",
+            "maps_on_the_way": self._mission.maps_on_the_way,
         }
         if self._map is not None:
             values["map_stamp"] = f"{self._map[1]:.3f}"
@@ -343,6 +349,8 @@ class MotionNode(Node):
     def _problem(self) -> str:
         if self._mission.active and self._mission.feedback().hold:
             return f"the robot stands: {self._mission.feedback().hold}"
+        if self._mission.active and self._mission.advice:
+            return self._mission.advice
         if time.monotonic() - self._last_tick > SILENCE:
             return f"nothing comes by '{names.POSE}': no goal can be served"
         return ""

@@ -19,6 +19,7 @@ from typing import Final
 from fuzzy_map_building.parameter_schema import describe
 from fuzzy_map_building.params import MapperParameters
 from fuzzy_map_building.ros.run import EXIT_REFUSED, StopRequest, stop_on_signals
+from fuzzy_navigation.concurrent_mission import SETTINGS
 from fuzzy_navigation.params import MotionParameters, PlannerParameters
 from fuzzy_navigation.ros.processes import (
     DISCOVERY_RANGE,
@@ -172,12 +173,14 @@ def _arguments(options: DemoOptions) -> dict[str, list[str]]:
     area = {"size_x": world.size[0], "size_y": world.size[1]}
     area |= {"origin_x": world.origin[0], "origin_y": world.origin[1]}
     preset = {"preset": options.preset}
+    moving = SETTINGS if options.concurrent else {}
     before: dict[str, Mapping[str, object]] = {
         "sim": {},
         "mapper": preset | {f"area.{name}": value for name, value in area.items()},
         "planner": preset,
         "motion": preset,
     }
+    before = {name: {**values, **moving.get(name, {})} for name, values in before.items()}
     after: dict[str, Mapping[str, object]] = {name: {"use_sim_time": True} for name in NODES}
     after["sim"] = {
         "world": options.world_source,

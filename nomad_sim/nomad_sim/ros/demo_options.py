@@ -72,6 +72,8 @@ class DemoOptions:
         Folder for figures, summary and logs.
     preset : str
         Rule set of mapper, planner and motion.
+    concurrent : bool
+        Whether the robot maps while it moves.
     params_file : Path, optional
         Parameters for any of the nodes.
     timeout : float
@@ -88,6 +90,7 @@ class DemoOptions:
     lockstep: bool
     output: Path
     preset: str
+    concurrent: bool
     params_file: Path | None
     timeout: float
     domain: int | None
@@ -129,6 +132,7 @@ def parse_options(arguments: Sequence[str] | None = None) -> DemoOptions:
         lockstep=args.lockstep,
         output=made_folder(args.output),
         preset=args.preset,
+        concurrent=args.concurrent,
         params_file=args.params_file,
         timeout=args.timeout,
         domain=args.domain,
@@ -168,6 +172,11 @@ def _parser() -> argparse.ArgumentParser:
         "--preset",
         default=DEFAULT_PRESET,
         help=f"rule set of mapper, planner and motion (default: {DEFAULT_PRESET})",
+    )
+    parser.add_argument(
+        "--concurrent",
+        action="store_true",
+        help="map while moving, instead of standing for each perception",
     )
     parser.add_argument(
         "--lockstep",

@@ -144,6 +144,7 @@ def summarise(
         "goal": list(world.goal),
         "seed": options.seed,
         "preset": options.preset,
+        "concurrent": options.concurrent,
         "rate": options.rate,
         "lockstep": options.lockstep,
         "log": [

@@ -22,7 +22,8 @@ def print_start(options: DemoOptions, domain: int, discovery_range: str) -> None
     print(
         f"world '{world.name}' from ({world.start.x:g}, {world.start.y:g}) to "
         f"({world.goal[0]:g}, {world.goal[1]:g}) m, seed {options.seed}, "
-        f"preset {options.preset}, {rate}{', in lockstep' if options.lockstep else ''}\n"
+        f"preset {options.preset}{', mapping while moving' if options.concurrent else ''}, "
+        f"{rate}{', in lockstep' if options.lockstep else ''}\n"
         f"to watch: export ROS_DOMAIN_ID={domain} {DISCOVERY_RANGE}={discovery_range}",
         flush=True,
     )

@@ -4,17 +4,27 @@
 
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
+from fuzzy_map_building.params import mapper_parameters
 from fuzzy_map_building.types import Pose2
-from fuzzy_navigation.concurrent_mission import LOOK_SPACING, ConcurrentMission, mission_of
+from fuzzy_navigation.concurrent_mission import (
+    LOOK_SPACING,
+    MAP_SILENCE,
+    SETTINGS,
+    ConcurrentMission,
+    mission_of,
+)
 from fuzzy_navigation.mission import Mission
 from fuzzy_navigation.mission_types import Commands, Drive, Finish, Outcome, Perceive, Phase, Plan
-from fuzzy_navigation.params import MotionParameters
+from fuzzy_navigation.params import MotionParameters, motion_parameters
 from fuzzy_navigation.planner import PlanResult, PlanStatus
 from unit.fuzzy_navigation.mission_script import (
+    DT,
     GEOMETRY,
     Script,
     cells_along,
@@ -23,6 +33,7 @@ from unit.fuzzy_navigation.mission_script import (
 )
 
 GOAL = (5.05, 2.05)
+CONFIG = Path(__file__).parents[3] / "fuzzy_navigation" / "config"
 
 
 def plans(commands: Commands) -> list[Plan]:
@@ -61,6 +72,15 @@ def test_the_parameter_chooses_the_mission() -> None:
     assert type(mission_of()) is Mission
     assert type(mission_of(MotionParameters())) is Mission
     assert type(mission_of(MotionParameters(concurrent=True))) is ConcurrentMission
+
+
+def test_the_example_for_users_sets_what_the_options_set() -> None:
+    nodes = yaml.safe_load((CONFIG / "concurrent.yaml").read_text())
+    assert nodes == {
+        f"/**/fuzzy_{name}": {"ros__parameters": dict(values)} for name, values in SETTINGS.items()
+    }
+    assert mapper_parameters(overrides=SETTINGS["mapper"]).mode == "continuous"
+    assert motion_parameters(overrides=SETTINGS["motion"]).concurrent
 
 
 def test_a_map_on_the_way_has_the_path_planned_anew_from_ahead_of_a_robot_that_drives_on() -> None:
@@ -223,6 +243,18 @@ def test_without_maps_on_the_way_it_alternates() -> None:
         script.again(commands, GOAL, alpha=0.6)
     finish = finish_of(script.run())
     assert (finish.outcome, finish.perceptions) == (Outcome.REACHED, 4)
+
+
+def test_it_says_so_when_no_map_comes_on_the_way_and_no_longer_when_one_does() -> None:
+    script = Concurrent(**{"follower.max_linear": 0.2})
+    script.set_out(GOAL)
+    script.ticks(math.floor(MAP_SILENCE / DT))
+    assert script.mission.advice == ""
+    script.ticks(4)
+    assert "'continuous'" in script.mission.advice
+    script.show_map()
+    assert script.mission.advice == ""
+    assert script.mission.maps_on_the_way == 1
 
 
 def test_a_small_step_between_two_stops_is_no_news() -> None:
