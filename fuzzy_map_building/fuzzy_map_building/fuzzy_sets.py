@@ -34,7 +34,8 @@ def complement(a: float) -> float:
 @njit
 def bounded_product(a: float, b: float) -> float:
     """Return the intersection ``max(0, a + b - 1)``, equation (17); it is associative."""
-    return max(0.0, a + b - 1.0)
+    rest = a + b - 1.0
+    return rest if rest > 0.0 else 0.0
 
 
 @njit

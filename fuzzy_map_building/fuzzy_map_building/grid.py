@@ -24,6 +24,7 @@ __all__ = [
     "cells_between",
     "centre_along",
     "put_box",
+    "where_both",
     "window_of_boxes",
 ]
 
@@ -33,6 +34,8 @@ MAX_CELLS = 64_000_000
 _SHORTEST, _FARTHEST = 1e-6, 1e8
 # Farthest coordinate of a grid in cells: up to it a centre is exact to a thousandth of a cell.
 _MAX_CELLS_AWAY = 2.0**40
+# A factor that is nearer to 0 is taken for 0.
+_LEVEL = 1e-9
 
 
 @dataclass(frozen=True)
@@ -343,6 +346,34 @@ def cells_between(
     row0 = math.floor(first) if first > 0.0 else 0
     row1 = math.floor(last) + 1 if last < count else count
     return row0, row1
+
+
+@njit
+def where_both(a: float, b: float, c: float, d: float) -> tuple[float, float]:
+    """Return the interval of x in which ``a x >= b`` and ``c x >= d``.
+
+    A condition whose x has a factor of 0, or nearly so, is left out.
+
+    Returns
+    -------
+    low, high : float
+        Ends of the interval, maybe infinite; low above high where there is no such x.
+
+    Examples
+    --------
+    >>> where_both(2.0, 1.0, -1.0, -3.0), where_both(0.0, 1.0, 1.0, 4.0)
+    ((0.5, 3.0), (4.0, inf))
+    """
+    low, high = -math.inf, math.inf
+    if a > _LEVEL:
+        low = b / a
+    elif a < -_LEVEL:
+        high = b / a
+    if c > _LEVEL:
+        low = max(low, d / c)
+    elif c < -_LEVEL:
+        high = min(high, d / c)
+    return low, high
 
 
 @njit

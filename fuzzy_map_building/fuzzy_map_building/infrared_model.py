@@ -214,10 +214,13 @@ def _unite(
         widest = max(widening * reach, 0.5 * resolution) + _SLACK
         for row in range(boxes[i, 0], boxes[i, 1]):
             y = centre_along(origin_y, row, resolution) - centre_y
+            # What is the same for all cells of the row is reckoned once.
+            across_y = ux * y
+            along_y = uy * y
             for column in range(boxes[i, 2], boxes[i, 3]):
                 x = centre_along(origin_x, column, resolution) - centre_x
-                across = abs(ux * y - uy * x)
-                if across > widest or ux * x + uy * y < 0.0:
+                across = abs(across_y - uy * x)
+                if across > widest or ux * x + along_y < 0.0:
                     continue
                 rho = math.sqrt(x * x + y * y)
                 if rho > reach or across > max(widening * rho, 0.5 * resolution) + _SLACK:

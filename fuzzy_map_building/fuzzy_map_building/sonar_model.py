@@ -24,6 +24,7 @@ from fuzzy_map_building.grid import (
     cells_between,
     centre_along,
     put_box,
+    where_both,
     window_of_boxes,
 )
 from fuzzy_map_building.jit import for_kernel, njit
@@ -145,15 +146,16 @@ class SonarModel:
 @njit
 def empty_certainty(rho: float, r: float, k: float, margin: float) -> float:
     """Return f_E, equation (2): what a range `r` [m] says of emptiness at distance `rho` [m]."""
-    short = min(max((r - rho) / margin, 0.0), 1.0)
+    short = (r - rho) / margin
+    short = 0.0 if short < 0.0 else 1.0 if short > 1.0 else short
     return k * short * short
 
 
 @njit
 def occupied_certainty(rho: float, r: float, k: float, margin: float) -> float:
     """Return f_O, equation (3): what a range `r` [m] says of an obstacle at `rho` [m]."""
-    off = min(max((r - rho) / margin, -1.0), 1.0)
-    return k * (1.0 - off * off)
+    off = (r - rho) / margin
+    return k * (1.0 - off * off) if -1.0 < off < 1.0 else 0.0
 
 
 @njit
@@ -263,6 +265,7 @@ def _unite(
         Zero; where E^k and O^k go.
     """
     sine_squared = math.sin(half_angle) ** 2
+    tangent = math.tan(half_angle)
     for i in range(len(cones)):
         ux = cones[i, AXIS_X]
         uy = cones[i, AXIS_Y]
@@ -277,17 +280,29 @@ def _unite(
                 i, cones, forward, half_angle, half_width, threshold, ramp, max_offset, vetoes
             )
             rest = greatest_rest(vetoes, count, half_width, half_angle, table, fineness)
+        # Left of its right border and right of its left one is what lies in the cone.
+        left, left_y = tangent * ux + uy, ux - tangent * uy
+        right, right_y = tangent * ux - uy, -(ux + tangent * uy)
         for row in range(boxes[i, 0], boxes[i, 1]):
             y = centre_along(origin_y, row, resolution) - apex_y
-            for column in range(boxes[i, 2], boxes[i, 3]):
+            # The part of the row between the borders of the cone, and a cell more on either
+            # side; what is the same for all of its cells is reckoned once.
+            low, high = where_both(left, left_y * y, right, right_y * y)
+            low += apex_x - resolution
+            high += apex_x + resolution
+            first, last = cells_between(low, high, origin_x, resolution, boxes[i, 3])
+            squared_y = y * y
+            along_y = uy * y
+            across_y = ux * y
+            for column in range(max(first, boxes[i, 2]), last):
                 x = centre_along(origin_x, column, resolution) - apex_x
-                squared = x * x + y * y
-                along = ux * x + uy * y
-                across = ux * y - uy * x
+                squared = x * x + squared_y
+                along = ux * x + along_y
+                across = across_y - uy * x
                 if (
-                    squared > reach * reach
+                    across * across > sine_squared * squared
                     or along < 0.0
-                    or across * across > sine_squared * squared
+                    or squared > reach * reach
                 ):
                     continue
                 # At the apex itself theta counts as 0.
@@ -307,5 +322,8 @@ def _unite(
                     occupied[row - row0, column - col0] += dombi_t(belief, lam)
     for row in range(empty.shape[0]):
         for column in range(empty.shape[1]):
-            empty[row, column] = dombi_t_inverse(empty[row, column], lam)
-            occupied[row, column] = dombi_t_inverse(occupied[row, column], lam)
+            # Of most cells nothing is said.
+            if empty[row, column] > 0.0:
+                empty[row, column] = dombi_t_inverse(empty[row, column], lam)
+            if occupied[row, column] > 0.0:
+                occupied[row, column] = dombi_t_inverse(occupied[row, column], lam)

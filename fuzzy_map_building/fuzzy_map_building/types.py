@@ -3,13 +3,15 @@
 """Frozen values that cross module borders: poses and range readings.
 
 They come by the hundred at each tick of the control. The constructors that dataclasses write
-for frozen values take three times as long as these, which fill in the fields themselves.
+for frozen values take twice as long as these, which write to the slots of the fields directly.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 __all__ = ["InfraredReading", "Pose2", "RangeReading", "SonarReading", "wrap_angle"]
 
@@ -19,7 +21,13 @@ def wrap_angle(angle: float) -> float:
     return (angle + math.pi) % (2.0 * math.pi) - math.pi
 
 
-@dataclass(frozen=True, init=False)
+def _slot(kind: type, name: str) -> Callable[[Any, object], None]:
+    """Return what writes a field of a new value of a kind."""
+    write: Callable[[Any, object], None] = kind.__dict__[name].__set__
+    return write
+
+
+@dataclass(frozen=True, init=False, slots=True)
 class Pose2:
     """Position and heading in the plane.
 
@@ -41,10 +49,9 @@ class Pose2:
     theta: float
 
     def __init__(self, x: float, y: float, theta: float = 0.0) -> None:
-        fields = self.__dict__
-        fields["x"] = x
-        fields["y"] = y
-        fields["theta"] = theta
+        _write_x(self, x)
+        _write_y(self, y)
+        _write_theta(self, theta)
         if math.isfinite(x) and math.isfinite(y) and math.isfinite(theta):
             return
         for name in ("x", "y", "theta"):
@@ -57,11 +64,14 @@ class Pose2:
         return math.hypot(x - self.x, y - self.y)
 
 
+_write_x, _write_y, _write_theta = (_slot(Pose2, name) for name in ("x", "y", "theta"))
+
+
 def _is_number(value: object) -> bool:
     return hasattr(value, "__float__") and not isinstance(value, (str, bytes))
 
 
-@dataclass(frozen=True, init=False)
+@dataclass(frozen=True, init=False, slots=True)
 class RangeReading:
     """One range measurement, placed at the pose the robot had at its stamp.
 
@@ -95,12 +105,11 @@ class RangeReading:
     def __init__(
         self, pose: Pose2, bearing: float, range: float, stamp: float = 0.0, sensor: int = -1
     ) -> None:
-        fields = self.__dict__
-        fields["pose"] = pose
-        fields["bearing"] = bearing
-        fields["range"] = range
-        fields["stamp"] = stamp
-        fields["sensor"] = sensor
+        _write_pose(self, pose)
+        _write_bearing(self, bearing)
+        _write_range(self, range)
+        _write_stamp(self, stamp)
+        _write_sensor(self, sensor)
         if not isinstance(pose, Pose2):
             raise ValueError(f"{type(self).__name__}.pose must be a Pose2, got {pose!r}")
         if type(range) is not float and not _is_number(range):
@@ -113,11 +122,18 @@ class RangeReading:
                 raise ValueError(f"{type(self).__name__}.{name} must be finite, got {value}")
 
 
+_write_pose, _write_bearing, _write_range, _write_stamp, _write_sensor = (
+    _slot(RangeReading, name) for name in ("pose", "bearing", "range", "stamp", "sensor")
+)
+
+
 class SonarReading(RangeReading):
     """A sonar's reading: the nearest surface somewhere inside a wide cone."""
 
+    __slots__ = ()
 
-@dataclass(frozen=True, init=False)
+
+@dataclass(frozen=True, init=False, slots=True)
 class InfraredReading(RangeReading):
     """An infrared proximity sensor's reading: a narrow ray.
 
@@ -146,7 +162,10 @@ class InfraredReading(RangeReading):
         sensor: int = -1,
         limit: float = math.inf,
     ) -> None:
-        super().__init__(pose, bearing, range, stamp, sensor)
-        self.__dict__["limit"] = limit
+        RangeReading.__init__(self, pose, bearing, range, stamp, sensor)
+        _write_limit(self, limit)
         if limit != limit:
             raise ValueError("InfraredReading.limit must be a number, got nan")
+
+
+_write_limit = _slot(InfraredReading, "limit")
