@@ -233,8 +233,11 @@ def first_reachable(
 
 def warm_up() -> None:
     """Compile the kernels, or load them from the cache, so that no later call has to."""
-    find_path(np.zeros((2, 2)), (0, 0), (1, 1))
-    find_path(np.full((2, 2), 0.001), (0, 0), (1, 1))  # no hundredths: costs without a table
+    for wide in (False, True):
+        workspace = Workspace(wide)
+        find_path(np.zeros((2, 2)), (0, 0), (1, 1), workspace=workspace)
+        # No hundredths: costs without a table.
+        find_path(np.full((2, 2), 0.001), (0, 0), (1, 1), workspace=workspace)
 
 
 def _no_path(expanded: int) -> SearchResult:

@@ -22,10 +22,10 @@ _ENTRIES = 1 << 10
 _BUCKETS = 1 << 14
 # Ticks to the least cost of a step: so much longer a path may be before that weighs as much.
 _TICKS = 2.0**15
-# A bucket has at least 2 ** _BUCKET_BITS ticks; with A3 so many that its cells are equally far
-# from the goal, all but.
+# A bucket has at least 2 ** _BUCKET_BITS ticks; with A3 so many that its cells are as far from
+# the goal, but for a step or two.
 _BUCKET_BITS = 13
-_A3_BUCKET_BITS = 6
+_A3_BUCKET_BITS = 7
 
 
 class Workspace:
@@ -34,9 +34,15 @@ class Workspace:
     A search leaves behind no more than it touched, and that is wiped when it ends: what a
     search costs depends on the cells that it meets, not on the size of the map. One search
     at a time.
+
+    Parameters
+    ----------
+    wide : bool
+        Whether labels are of 64 bits on any map, as they are on large ones.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, wide: bool = False) -> None:
+        self._wide = wide
         self._cost = np.empty((0, 0))
         self._label: NDArray[np.int32] | NDArray[np.int64] = np.empty(0, np.int32)
         self._buckets = np.full(_BUCKETS, -1, np.int32)
@@ -142,7 +148,7 @@ class Workspace:
             self._cost = np.full(shape, kernels.UNSEEN)
             cells = self._cost.size
             # A path enters each cell once.
-            narrow = kernels.longest_label(cells) <= np.iinfo(np.int32).max
+            narrow = not self._wide and kernels.longest_label(cells) <= np.iinfo(np.int32).max
             self._label = np.empty(cells, np.int32) if narrow else np.empty(cells, np.int64)
 
     def _make_room(self) -> None:

@@ -303,4 +303,8 @@ def test_nothing_is_compiled_after_warm_up():
                 find_path(risk, (0, 0), (9, 9), cost, 1, adjacency, epsilon=1, diagonal=diagonal)
     find_path(np.ones((10, 10), dtype=np.uint8), (0, 0), (9, 9), alpha=1)
     assert [len(kernels.best_first.signatures), len(kernels.trace.signatures)] == before
-    assert before == [2, 1]  # costs by a table, and costs as they are
+    wide = Workspace(wide=True)  # as on a map of a million cells and more
+    find_path(risk, (0, 0), (9, 9), workspace=wide)
+    find_path(risk.round(2), (0, 0), (9, 9), workspace=wide)
+    assert [len(kernels.best_first.signatures), len(kernels.trace.signatures)] == before
+    assert before == [4, 2]  # costs by a table, and costs as they are; both on large maps
