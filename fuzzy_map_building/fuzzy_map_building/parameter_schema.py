@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import dataclasses
 import difflib
+import functools
 import itertools
 import math
 import typing
@@ -109,14 +110,16 @@ def suggest(name: str, known: typing.Iterable[str]) -> str:
     return f"; known names: {', '.join(names)}"
 
 
-def _groups(cls: type) -> typing.Iterator[tuple[dataclasses.Field[Any], type | None]]:
+@functools.cache
+def _groups(cls: type) -> tuple[tuple[dataclasses.Field[Any], type | None], ...]:
+    """Return the fields of a dataclass, each with its type where that is a group itself."""
     hints = typing.get_type_hints(cls)
+    groups: list[tuple[dataclasses.Field[Any], type | None]] = []
     for field in dataclasses.fields(cls):
         hint = hints[field.name]
-        if isinstance(hint, type) and dataclasses.is_dataclass(hint):
-            yield field, hint
-        else:
-            yield field, None
+        is_group = isinstance(hint, type) and dataclasses.is_dataclass(hint)
+        groups.append((field, hint if is_group else None))
+    return tuple(groups)
 
 
 def describe(cls: type, prefix: str = "") -> dict[str, ParameterInfo]:
@@ -142,7 +145,8 @@ def describe(cls: type, prefix: str = "") -> dict[str, ParameterInfo]:
 def flatten(parameters: Any, prefix: str = "") -> dict[str, Any]:
     """Return the values of a parameter dataclass by dotted name."""
     out: dict[str, Any] = {}
-    for field, group in _groups(type(parameters)):
+    kind: Any = type(parameters)
+    for field, group in _groups(kind):
         value = getattr(parameters, field.name)
         if group is not None:
             out.update(flatten(value, prefix + field.name + "."))
@@ -252,7 +256,8 @@ def _flatten_mapping(values: Mapping[str, Any], prefix: str = "") -> dict[str, A
 
 def _replace(base: Any, flat: Mapping[str, Any]) -> Any:
     changes: dict[str, Any] = {}
-    for field, group in _groups(type(base)):
+    kind: Any = type(base)
+    for field, group in _groups(kind):
         if group is None:
             if field.name in flat:
                 changes[field.name] = flat[field.name]

@@ -97,17 +97,35 @@ def occupancy(surfaces: Surfaces, geometry: GridGeometry) -> BoolArray:
 
 
 @njit
-def _flood(free: BoolArray, row: int, column: int, diagonal: bool) -> BoolArray:
-    """Return the cells connected with one cell, shape (H, W)."""
-    height, width = free.shape
+def _leads(
+    clearance: FloatArray, least: float, row: int, column: int, goal: BoolArray, diagonal: bool
+) -> bool:
+    """Whether a chain of cells with no less than some clearance leads from one cell to a goal.
+
+    Parameters
+    ----------
+    clearance : ndarray of float64, shape (H, W)
+        Of the cells [m].
+    least : float
+        What the cells of the chain must have [m].
+    row, column : int
+        Its first cell.
+    goal : ndarray of bool, shape (H, W)
+        The cells that it may end in.
+    diagonal : bool
+        Whether cells that touch by corners are neighbours.
+    """
+    if not clearance[row, column] >= least:
+        return False
+    if goal[row, column]:
+        return True
+    height, width = clearance.shape
     reached = np.zeros((height, width), dtype=np.bool_)
     stack = np.empty((height * width, 2), dtype=np.int64)
-    count = 0
-    if free[row, column]:
-        reached[row, column] = True
-        stack[0, 0] = row
-        stack[0, 1] = column
-        count = 1
+    reached[row, column] = True
+    stack[0, 0] = row
+    stack[0, 1] = column
+    count = 1
     while count > 0:
         count -= 1
         row = stack[count, 0]
@@ -118,12 +136,16 @@ def _flood(free: BoolArray, row: int, column: int, diagonal: bool) -> BoolArray:
                     continue
                 r = row + dr
                 c = column + dc
-                if 0 <= r < height and 0 <= c < width and free[r, c] and not reached[r, c]:
+                if not (0 <= r < height and 0 <= c < width) or reached[r, c]:
+                    continue
+                if clearance[r, c] >= least:
+                    if goal[r, c]:
+                        return True
                     reached[r, c] = True
                     stack[count, 0] = r
                     stack[count, 1] = c
                     count += 1
-    return reached
+    return False
 
 
 class Reachability(Enum):
@@ -177,13 +199,13 @@ def _widest(
         return -math.inf, -math.inf
     low = float(clearance.min())
     high = float(min(clearance[start], ends.max()))
-    if (_flood(clearance >= high, *start, diagonal) & goal).any():
+    if _leads(clearance, high, *start, goal, diagonal):
         return high, high + _STEP
-    if not (_flood(clearance >= low, *start, diagonal) & goal).any():
+    if not _leads(clearance, low, *start, goal, diagonal):
         return -math.inf, -math.inf
     while high - low > _STEP:
         middle = 0.5 * (low + high)
-        if (_flood(clearance >= middle, *start, diagonal) & goal).any():
+        if _leads(clearance, middle, *start, goal, diagonal):
             low = middle
         else:
             high = middle

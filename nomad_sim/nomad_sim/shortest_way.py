@@ -10,8 +10,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzy_map_building.jit import njit
 from fuzzy_navigation.search import find_path
 from nomad_sim.params import ROBOT_RADIUS
+from nomad_sim.ray_casting import nearest_distance
 from nomad_sim.surfaces import Surfaces
 from nomad_sim.world import World
 
@@ -104,10 +106,38 @@ def _straightened(chain: FloatArray, surfaces: Surfaces, robot_radius: float) ->
 def _free(a: FloatArray, b: FloatArray, surfaces: Surfaces, robot_radius: float) -> bool:
     """Whether the body can go straight from a to b."""
     length = math.dist(a, b)
-    ux, uy = (b - a) / length if length > 0.0 else (0.0, 0.0)
+    ux, uy = ((b - a) / length).tolist() if length > 0.0 else (0.0, 0.0)
+    there = surfaces.segments, surfaces.circles, surfaces.solids
+    return _passes(float(a[0]), float(a[1]), ux, uy, length, robot_radius, *there)
+
+
+@njit
+def _passes(
+    x: float,
+    y: float,
+    ux: float,
+    uy: float,
+    length: float,
+    radius: float,
+    segments: FloatArray,
+    circles: FloatArray,
+    solids: NDArray[np.int64],
+) -> bool:
+    """Whether the body can go straight on from a place.
+
+    Parameters
+    ----------
+    x, y, ux, uy, length : float
+        The place [m], the direction, of length 1, and the way [m].
+    radius : float
+        Of the body [m].
+    segments, circles, solids : ndarray
+        Surfaces, as for `ray_casting.nearest_distance`.
+    """
     along = 0.0
     while True:
-        room = surfaces.distance(a[0] + along * ux, a[1] + along * uy) - robot_radius
+        place_x, place_y = x + along * ux, y + along * uy
+        room = nearest_distance(place_x, place_y, segments, circles, solids) - radius
         if room < 0.0:
             return False
         if along == length:
