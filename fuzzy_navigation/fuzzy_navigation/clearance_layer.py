@@ -157,26 +157,33 @@ def best_clearance(centres: ArrayLike, hits: Floats, robot_radius: float, shift:
     return best
 
 
-def best_places(centres: ArrayLike, hits: Floats, robot_radius: float, shift: float) -> Floats:
+def best_places(
+    centres: ArrayLike, planned: ArrayLike, hits: Floats, robot_radius: float, shift: float
+) -> Floats:
     """Return where in each of some cells to drive.
 
     Parameters
     ----------
     centres, hits, robot_radius, shift
         As `best_clearance` takes them.
+    planned : array_like, shape (m, 2)
+        Where the path passes through the cells [m].
 
     Returns
     -------
     ndarray of float64, shape (m, 2)
-        The place (x, y) [m] of the nine where clearance, of which 0.25 m is plenty, less a tenth
-        of the distance from the centre is greatest; the centre where all are alike.
+        The place (x, y) [m], the planned one or one of the nine, where clearance, of which
+        0.25 m is plenty, less a tenth of the distance from the planned one is greatest; the
+        planned one where all are alike.
     """
-    cells = np.asarray(centres, dtype=np.float64).reshape(-1, 2)
-    offsets = places_in_cell(shift)
-    worth = np.minimum(_clearances(cells, hits, robot_radius, shift), PLENTY)
-    worth -= DETOUR * np.hypot(offsets[:, 0], offsets[:, 1])
-    places: Floats = cells + offsets[worth.argmax(axis=1)]
-    return places
+    cells = np.asarray(centres, dtype=np.float64).reshape(-1, 1, 2)
+    on_path = np.asarray(planned, dtype=np.float64).reshape(-1, 1, 2)
+    places = np.concatenate((on_path, cells + places_in_cell(shift)), axis=1)
+    clearance = clearance_at(places.reshape(-1, 2), hits, robot_radius).reshape(-1, 10)
+    aside = places - on_path
+    worth = np.minimum(clearance, PLENTY) - DETOUR * np.hypot(aside[..., 0], aside[..., 1])
+    best: Floats = places[np.arange(len(places)), worth.argmax(axis=1)]
+    return best
 
 
 def clearance_layer(

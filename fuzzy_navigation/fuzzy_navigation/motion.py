@@ -66,7 +66,7 @@ class Motion:
 
     def forget(self) -> None:
         """Forget the path."""
-        self._path = PlannedPath(np.empty((0, 2)), 0.0, math.inf)
+        self._path = PlannedPath(NOTHING, NOTHING, 0.0, math.inf)
         self._targets = self._path.points
         self._first = self._aimed_at = self._driven = self._reach = 0
         self._before = 0.0
@@ -217,7 +217,7 @@ class Motion:
         self._stopping = self._stopped = None
         self._stop_at = math.inf
         self._first = self._aimed_at = 0
-        self._targets = self._aim(path.points, hits)
+        self._targets = self._aim(slice(None), hits)
         centre = path.points[last]
         at_goal = np.abs(centre - (goal.x, goal.y)).max() <= 0.5 * path.resolution + 1e-9
         if at_goal and not self._narrow((goal.x, goal.y), hits):
@@ -293,11 +293,13 @@ class Motion:
             self._stop(Stop.NONE)
         return v, omega
 
-    def _aim(self, cells: NDArray[np.float64], hits: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return where in each of some cells to drive, by their centres [m], shape (n, 2)."""
+    def _aim(self, part: slice, hits: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return where in each cell of a part of the path to drive [m], shape (n, 2)."""
+        planned = self._path.places[part]
         if not self._p.subcell_target:
-            return cells.copy()
-        return best_places(cells, hits, self._p.robot_radius, self._p.layer.shift)
+            return planned.copy()
+        radius, shift = self._p.robot_radius, self._p.layer.shift
+        return best_places(self._path.points[part], planned, hits, radius, shift)
 
     def _smoothed(self, way: Points, pose: Pose2, hits: Points, moving: bool) -> Points:
         """Return a way from a pose on, bent less in its cells where there is room enough."""
@@ -318,7 +320,7 @@ class Motion:
         before = self._targets[ahead]
         if len(before) == 0:
             return
-        targets = self._aim(self._path.points[ahead], hits)
+        targets = self._aim(ahead, hits)
         radius = self._p.robot_radius
         gain = np.minimum(clearance_at(targets, hits, radius), self._enough)
         gain -= np.minimum(clearance_at(before, hits, radius), self._enough)

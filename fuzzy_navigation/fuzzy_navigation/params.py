@@ -152,6 +152,11 @@ class PlannerParameters:
         doc="whether a diagonal step may pass between cells that are not admissible; "
         "if not, both cells beside the step have to be",
     )
+    any_angle: bool = parameter(
+        True,
+        doc="whether the cells of a path are joined by straight lines at any angle where that costs "
+        "no more; if not, paths run in the eight directions of the cells' neighbours",
+    )
     layer: LayerParameters = field(default_factory=LayerParameters)
 
     def __post_init__(self) -> None:
@@ -302,6 +307,7 @@ class MotionParameters:
 PLANNER_PRESETS: Mapping[str, Mapping[str, Any]] = {
     DEFAULT_PRESET: {},
     PAPER_PRESET: {
+        "any_angle": False,
         "augmentation": "square",
         "diagonal": "unit",
         "least_risk": 0.0,

@@ -18,11 +18,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from fuzzy_map_building.grid import GridGeometry, Window
 from fuzzy_map_building.types import Pose2
+from fuzzy_navigation.any_angle import pulled_straight
 from fuzzy_navigation.clearance_layer import clearance_layer
 from fuzzy_navigation.kept_map import KeptMap, MapLike
 from fuzzy_navigation.params import PlannerParameters
 from fuzzy_navigation.plan_types import MAX_TOLERANCE, PlanResult, PlanStatus, RiskLayer
-from fuzzy_navigation.planning_map import Query
+from fuzzy_navigation.planning_map import Query, Rungs
 from fuzzy_navigation.positions import position, positions
 from fuzzy_navigation.search import COSTS, SearchResult
 
@@ -301,15 +302,16 @@ class Planner:
         for rung in tried:
             if rung not in found:
                 found[rung] = rungs.search(query, rung)
-            path = found[rung]
-            if path is not None and getattr(path, request.cost) <= limit:
+            result = found[rung]
+            if result is not None and getattr(result, request.cost) <= limit:
                 break
         else:
             last = request.rungs[-1]
             goal_blocked = rungs.blocked(query, last)
             message = _no_path(request, goal_blocked) + self._closed_by_request(request, query)
             return PlanResult(PlanStatus.NO_PATH, message, alpha=last)
-        message = f"path of {len(path.path)} cells at alpha {rung:g}"
+        path, places = self._straight(rungs, query, rung, result.path)
+        message = f"path of {len(path)} cells at alpha {rung:g}"
         if rung > request.rungs[0]:
             dearer = found[request.rungs[0]] is not None
             message += (
@@ -319,17 +321,30 @@ class Planner:
             slimmer = self._map.slimmer(slim.radius, request.layer)
             slim_path = slimmer.search(query, request.rungs[0])
             if slim_path is not None:
-                path = slim_path
-                message += f"; instead that of a slimmer robot, of {len(path.path)} cells"
+                path, places = self._straight(slimmer, query, request.rungs[0], slim_path.path)
+                message += f"; instead that of a slimmer robot, of {len(path)} cells"
         return PlanResult(
             PlanStatus.FOUND,
             message,
-            path.path,
-            self._poses(path.path, request.heading),
-            *rungs.risks(query, path.path),
+            path,
+            self._poses(places, request.heading),
+            *rungs.risks(query, path),
             rung,
             sum(result.expanded for result in found.values() if result is not None),
         )
+
+    def _straight(
+        self, rungs: Rungs, query: Query, rung: float, path: NDArray[np.int64]
+    ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """Return the path pulled straight, if it is to be: its cells, and places in them."""
+        if not self._parameters.any_angle or query.adjacency != 8 or query.cost == "g3":
+            return path, path.astype(np.float64)
+        first = path.min(axis=0)
+        row0, col0 = first.tolist()
+        row1, col1 = (path.max(axis=0) + 1).tolist()
+        weights = rungs.weights(query, rung, Window(row0, row1, col0, col1))
+        cells, places = pulled_straight(path - first, weights, query.corner_cutting)
+        return cells + first, places + first
 
     def _closed_by_request(self, request: _Request, query: Query) -> str:
         """Say what of the request, not of the map, closes a way that the map has; else nothing."""
@@ -363,16 +378,16 @@ class Planner:
         out: NDArray[np.int64] = cells[order] + (window.row0, window.col0)
         return out
 
-    def _poses(self, path: NDArray[np.int64], heading: float) -> tuple[Pose2, ...]:
-        """Return the cells' centres, each heading to the next, the last as the one before.
+    def _poses(self, places: NDArray[np.float64], heading: float) -> tuple[Pose2, ...]:
+        """Return places (row, column) as poses, each heading to the next, the last as the one before.
 
         `heading` [rad] is that of a path of one cell.
         """
-        steps = np.diff(path, axis=0)
+        steps = np.diff(places, axis=0)
         headings = [math.atan2(row, column) for row, column in steps.tolist()]
         headings.append(headings[-1] if headings else heading)
-        centres = (self.geometry.centre_of(row, column) for row, column in path.tolist())
-        return tuple(Pose2(x, y, theta) for (x, y), theta in zip(centres, headings, strict=True))
+        x, y = self.geometry.centre_coordinates(places[:, 0], places[:, 1])
+        return tuple(map(Pose2, x.tolist(), y.tolist(), headings))
 
     def _outside(self, name: str, xy: tuple[float, float]) -> str:
         x0, y0, x1, y1 = self.geometry.bounds

@@ -92,6 +92,12 @@ class Rungs(Protocol):
     def risks(self, query: Query, path: Cells) -> tuple[float, float, float]:
         """Return the costs g1, g2, g3 of a path on the augmented map."""
 
+    def weights(self, query: Query, rung: float, window: Window) -> NDArray[np.float64]:
+        """Return what it costs to enter each cell of a window, infinite where no path may.
+
+        A constant factor apart, which is the same for all cells.
+        """
+
 
 class LayeredMap:
     """An augmented map as it is, with what one request lays over it.
@@ -155,6 +161,13 @@ class LayeredMap:
         """See `Rungs`."""
         return path_risks(self._risk, path, query.diagonal, query.epsilon)
 
+    def weights(self, query: Query, rung: float, window: Window) -> NDArray[np.float64]:
+        """See `Rungs`."""
+        mu = np.maximum(self._paid[window.slices], query.least_risk) + query.epsilon
+        weights = mu * mu if query.cost == "g2" else mu
+        weights[~self._admissible(query, rung)[window.slices]] = math.inf
+        return weights
+
     def _bars(self, query: Query) -> NDArray[np.bool_] | None:
         if len(query.barred) == 0:
             return self._barred
@@ -206,6 +219,10 @@ class _Covered:
     def risks(self, query: Query, path: Cells) -> tuple[float, float, float]:
         """See `Rungs`."""
         return self.ground.risks(query, path)
+
+    def weights(self, query: Query, rung: float, window: Window) -> NDArray[np.float64]:
+        """See `Rungs`."""
+        return self.ground.weights(query, rung, window, self.layer)
 
 
 class PlanningMap:
@@ -298,7 +315,7 @@ class PlanningMap:
                 )
                 if end is None:
                     return None
-                found = self._path(risks, field, query, end, size)
+                found = self._path(risks, field, query, end, None)
         return found
 
     def blocked(self, query: Query, rung: float, layer: RiskLayer | None = None) -> bool:
@@ -312,13 +329,22 @@ class PlanningMap:
         mu = HUNDREDTHS[self._inner[path[:, 0], path[:, 1]]] + query.epsilon
         return risks_of_path(mu, path, query.diagonal)
 
+    def weights(
+        self, query: Query, rung: float, window: Window, layer: RiskLayer | None = None
+    ) -> NDArray[np.float64]:
+        """See `Rungs`."""
+        rows, columns = np.mgrid[window.slices]
+        with self._marked(query, layer) as marks:
+            _, field = self._costs(query, rung, marks)
+            return field.at(rows.reshape(-1), columns.reshape(-1)).reshape(window.shape)
+
     def _path(
         self,
         risks: CostField,
         field: CostField,
         query: Query,
         end: Sequence[int] | Cells,
-        limit: int,
+        limit: int | None,
     ) -> SearchResult | None:
         goal = (int(end[0]), int(end[1]))
         path, expanded = np.array([query.start], dtype=np.int64), 0
