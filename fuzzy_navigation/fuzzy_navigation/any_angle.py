@@ -10,6 +10,7 @@ through. On ground of one risk that is the path pulled tight.
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -69,7 +70,7 @@ def pulled_straight(
         corners.append(int(before[corners[-1]]))
     corners.reverse()
     cells, places = [path[:1]], [path[:1].astype(np.float64)]
-    for i, j in zip(corners[:-1], corners[1:], strict=True):
+    for i, j in itertools.pairwise(corners):
         if j == i + 1:
             # Neighbouring knots are joined by the path itself.
             piece = path[knots[i] + 1 : knots[j] + 1]

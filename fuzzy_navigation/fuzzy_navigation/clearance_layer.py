@@ -158,7 +158,11 @@ def best_clearance(centres: ArrayLike, hits: Floats, robot_radius: float, shift:
 
 
 def best_places(
-    centres: ArrayLike, planned: ArrayLike, hits: Floats, robot_radius: float, shift: float
+    centres: ArrayLike,
+    hits: Floats,
+    robot_radius: float,
+    shift: float,
+    planned: ArrayLike | None = None,
 ) -> Floats:
     """Return where in each of some cells to drive.
 
@@ -166,8 +170,8 @@ def best_places(
     ----------
     centres, hits, robot_radius, shift
         As `best_clearance` takes them.
-    planned : array_like, shape (m, 2)
-        Where the path passes through the cells [m].
+    planned : array_like, shape (m, 2), optional
+        Where in the cells the path leads [m]; through their centres if not given.
 
     Returns
     -------
@@ -177,13 +181,13 @@ def best_places(
         planned one where all are alike.
     """
     cells = np.asarray(centres, dtype=np.float64).reshape(-1, 1, 2)
-    on_path = np.asarray(planned, dtype=np.float64).reshape(-1, 1, 2)
-    places = np.concatenate((on_path, cells + places_in_cell(shift)), axis=1)
-    clearance = clearance_at(places.reshape(-1, 2), hits, robot_radius).reshape(-1, 10)
-    aside = places - on_path
-    worth = np.minimum(clearance, PLENTY) - DETOUR * np.hypot(aside[..., 0], aside[..., 1])
-    best: Floats = places[np.arange(len(places)), worth.argmax(axis=1)]
-    return best
+    path = cells if planned is None else np.asarray(planned, dtype=np.float64).reshape(-1, 1, 2)
+    places = np.concatenate((path, cells + places_in_cell(shift)), axis=1)
+    clearance = clearance_at(places.reshape(-1, 2), hits, robot_radius).reshape(places.shape[:2])
+    aside = np.hypot(places[..., 0] - path[..., 0], places[..., 1] - path[..., 1])
+    best = (np.minimum(clearance, PLENTY) - DETOUR * aside).argmax(axis=1)
+    chosen: Floats = places[np.arange(len(places)), best]
+    return chosen
 
 
 def clearance_layer(

@@ -12,6 +12,9 @@ and a planner that admits cells believed occupied, or takes a smooth wall for op
 robot for them all the same, to another cell of the same wall each time. Frontier that has been
 looked at often enough is therefore barred, wall by wall: the robot goes where a look still tells
 something, and where there is no such place left the goal is unreachable.
+
+A sonar's arc is vague, an infrared's hit is not: where one keeps the body out, half as many looks
+tell as much.
 """
 
 from __future__ import annotations
@@ -25,14 +28,19 @@ from scipy import ndimage
 
 from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.types import Pose2
+from fuzzy_navigation.clearance import clearance_at
 
 __all__ = ["FrontierLooks", "frontier_in_sight"]
 
 _ALL_AROUND = np.ones((3, 3), dtype=np.bool_)
+_NOTHING = np.empty((0, 2))
 #: Spacing of the points at which a line of sight is looked at, in cells.
 _SAMPLE = 0.5
 #: How deep the frontier is, in cells: what is open moves to and fro by as much from look to look.
 DEPTH = 3
+#: Looks that one counts as, of those that are enough, where an infrared sees what is in the way:
+#: two are needed, for one may be of noise or of somebody who passes.
+_SURE = 0.5
 #: Cells that are so near to the one looked at do not hide it, in cells.
 _BESIDE = math.sqrt(2.0) * DEPTH + 0.5
 
@@ -98,11 +106,14 @@ class FrontierLooks:
         Looks after which a cell that is still frontier is barred; 0: never.
     reach : float
         Distance [m] from which a look counts.
+    keep_out : float
+        Distance [m] from a hit point within which the robot's centre cannot come.
     """
 
-    def __init__(self, enough: int, reach: float) -> None:
+    def __init__(self, enough: int, reach: float, keep_out: float = 0.0) -> None:
         self._enough = enough
         self._reach = reach
+        self._keep_out = keep_out
         self.forget()
 
     def forget(self) -> None:
@@ -110,13 +121,21 @@ class FrontierLooks:
         self._looks: Counter[tuple[int, int]] = Counter()
         self._geometry: GridGeometry | None = None
 
-    def look(self, enterable: NDArray[np.bool_], geometry: GridGeometry, pose: Pose2) -> None:
+    def look(
+        self,
+        enterable: NDArray[np.bool_],
+        geometry: GridGeometry,
+        pose: Pose2,
+        hits: NDArray[np.float64] = _NOTHING,
+    ) -> None:
         """Take note of a perception.
 
         Parameters
         ----------
         enterable, geometry, pose
             As `frontier_in_sight` takes them, of the map after the perception.
+        hits : ndarray of float64, shape (n, 2)
+            Points (x, y) [m] that the infrareds hit at the perception.
         """
         if self._enough == 0 or not geometry.contains(pose.x, pose.y):
             return
@@ -128,6 +147,11 @@ class FrontierLooks:
             del self._looks[cell]
         cells = frontier_in_sight(enterable, geometry, pose, self._reach)
         self._looks.update(map(tuple, cells.tolist()))
+        x, y = geometry.centre_coordinates(cells[:, 0], cells[:, 1])
+        near = clearance_at(np.column_stack((x, y)), hits, self._keep_out) < 0.0
+        more = math.ceil(_SURE * self._enough) - 1
+        for row, column in cells[near].tolist():
+            self._looks[row, column] += more
 
     def again(self) -> bool:
         """Have everything looked at once more, for what was in the way may have gone.

@@ -30,6 +30,9 @@ STEP = 0.1
 SWEEPS = 21
 #: Turret angles closer than this are one stand [rad].
 STAND = math.radians(2.5)
+#: Readings of a standing robot's sensor that differ by more than this [m] are not noise as usual,
+#: and so often in a row they do where nothing comes and goes.
+FLIP, FLIPS = 0.1, 4
 #: Points closer than this in x and y are one [m]; bounds the memory.
 RASTER = 0.005
 
@@ -113,6 +116,16 @@ class HitMemory:
             sorted(readings, key=lambda reading: reading.range)[(len(readings) - 1) // 2]
             for readings in self._standing.values()
         ]
+
+    @property
+    def unsteady(self) -> int:
+        """How many infrareds told of something that came and went again and again."""
+        farthest = self._infrared.max_range
+        count = 0
+        for readings in self._standing.values():
+            ranges = np.clip([reading.range for reading in readings], 0.0, farthest)
+            count += int((np.abs(np.diff(ranges)) > FLIP).sum() >= FLIPS)
+        return count
 
     @property
     def sonar(self) -> list[SonarReading]:

@@ -81,6 +81,7 @@ class Mission(MissionState):
         self._record = MissionRecord(self._record.mission + 1, target, accuracy, started)
         self._motion.forget()
         self._tried.forget()
+        self._doubts.forget()
         self._state = State.WAITING
         if self._area and (refusal := verdicts.outside(self._record, self._area.geometry)):
             commands += self._finish(refusal)
@@ -248,7 +249,7 @@ class Mission(MissionState):
             return tuple(self._failed_once("the planner has no map", plan.message))
         if plan.status == PlanStatus.NO_PATH and self._tried.try_again(self._record.perceptions):
             return tuple(self._plan())
-        return tuple(self._finish(verdicts.no_plan(plan, self._record)))
+        return tuple(self._judged(verdicts.no_plan(plan, self._record)))
 
     def on_plan_error(self, now: float, request: int, message: str) -> Commands:
         """Take note that no answer comes from the planner."""
@@ -313,7 +314,8 @@ class Mission(MissionState):
         self._request.settle()
         self._around.end_perception()
         self._record.perceived(now, self._here, self._distance_remaining())
-        self._tried.perceived(self._known, self._here)
+        self._tried.perceived(self._known, self._here, self._around.surfaces)
+        self._doubts.note(self._around.doubt)
         return self._plan()
 
     def _plan(self) -> list[Command]:
@@ -343,7 +345,7 @@ class Mission(MissionState):
             self._motion.halt()
             self._record.stopped(Stop.NONE, self._motion.came_on)
         self._state = State.PERCEIVING
-        self._record.jump = jump
+        self._doubts.note(jump)
         self._around.clear()
         self._hold.begin(self._time.elapsed, jump)
         return self._failed_once("the pose jumped", jump) or [Drive(0.0, 0.0)]
@@ -370,8 +372,10 @@ class Mission(MissionState):
             return self._finish(verdict)
         self._note_stop(self._motion.stopped)
         verdict = verdicts.stalemate(self._record, self._here, self._p)
-        if verdict or self._record.without_progress == 0 or not self._turn.begin(self._here):
-            return self._finish(verdict) if verdict else self._perceive()
+        if verdict:
+            return self._judged(verdict)
+        if self._record.without_progress == 0 or not self._turn.begin(self._here):
+            return self._perceive()
         self._state = State.TURNING
         return []
 
@@ -383,9 +387,19 @@ class Mission(MissionState):
         hits = self._around.near(now, self._here, self._record.without_progress)
         self._tried.stopped(self._record, hits, self._motion.next_point, self._known)
 
+    def _judged(self, verdict: verdicts.Verdict) -> list[Command]:
+        """End with a verdict, unless there is a doubt in what it rests on: then look again."""
+        if verdict[0] is not Outcome.UNREACHABLE or not self._doubts.look_again():
+            return self._finish(verdict)
+        self._request.settle()
+        self._tried.forget()
+        self._record.without_progress = 0
+        return self._perceive()
+
     def _finish(self, verdict: verdicts.Verdict) -> list[Command]:
         self._state = State.IDLE
         self._around.rest()
         self._request.settle()
         self._hold.end()
-        return [Drive(0.0, 0.0), self._record.finish(*verdict, self._time.elapsed)]
+        outcome, message = verdicts.doubted(verdict, self._doubts.reason)
+        return [Drive(0.0, 0.0), self._record.finish(outcome, message, self._time.elapsed)]

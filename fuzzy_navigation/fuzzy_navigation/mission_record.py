@@ -64,8 +64,6 @@ class MissionRecord:
         self.alpha = 0.0
         self.last_stop = Stop.NONE
         self.because = ""
-        #: The last jump of the pose: what was mapped before it may lie elsewhere.
-        self.jump = ""
         self.without_progress = 0
         self.log: list[LogEntry] = []
         self._path_length = 0.0
@@ -118,8 +116,6 @@ class MissionRecord:
         """Return the verdict with the counters."""
         if outcome is Outcome.REACHED:
             self.last_stop = Stop.GOAL
-        elif self.jump and self.jump not in message:
-            message += f"; on the way {self.jump}, so that the map may be wrong"
         return Finish(
             self.mission,
             outcome,

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from fuzzy_map_building.occupancy import Hundredths
 from fuzzy_map_building.types import Pose2
+from fuzzy_navigation.doubts import Doubts
 from fuzzy_navigation.explored_area import ExploredArea
 from fuzzy_navigation.look_turn import LookTurn
 from fuzzy_navigation.mission_record import MissionRecord
@@ -53,6 +54,7 @@ class MissionState:
         self._hold = Hold()
         self._asked_at, self._answered, self._map_seen = 0.0, False, False
         self._tried = TriedPlaces(self._p)
+        self._doubts = Doubts()
         self._turn = LookTurn(self._p.look_turn, self._p.follower)
         #: Maps that came while the robot was on its way.
         self.maps_on_the_way = 0

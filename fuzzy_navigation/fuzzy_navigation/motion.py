@@ -299,7 +299,7 @@ class Motion:
         if not self._p.subcell_target:
             return planned.copy()
         radius, shift = self._p.robot_radius, self._p.layer.shift
-        return best_places(self._path.points[part], planned, hits, radius, shift)
+        return best_places(self._path.points[part], hits, radius, shift, planned)
 
     def _smoothed(self, way: Points, pose: Pose2, hits: Points, moving: bool) -> Points:
         """Return a way from a pose on, bent less in its cells where there is room enough."""

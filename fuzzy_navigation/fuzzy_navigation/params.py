@@ -154,8 +154,8 @@ class PlannerParameters:
     )
     any_angle: bool = parameter(
         True,
-        doc="whether the cells of a path are joined by straight lines at any angle where that costs "
-        "no more; if not, paths run in the eight directions of the cells' neighbours",
+        doc="whether the cells of a path are joined by straight lines at any angle where that "
+        "costs no more; if not, paths run in the eight directions of the cells' neighbours",
     )
     layer: LayerParameters = field(default_factory=LayerParameters)
 

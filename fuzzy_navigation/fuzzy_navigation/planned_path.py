@@ -24,6 +24,8 @@ class PlannedPath:
     ----------
     points : ndarray of float64, shape (n, 2)
         Centres (x, y) of the cells [m].
+    places : ndarray of float64, shape (n, 2)
+        Where in the cells the planner has it pass [m].
     alpha : float
         Rung that it was found on.
     resolution : float
@@ -31,6 +33,7 @@ class PlannedPath:
     """
 
     points: NDArray[np.float64]
+    places: NDArray[np.float64]
     alpha: float
     resolution: float
 
@@ -48,16 +51,17 @@ class PlannedPath:
         """
         if not poses:
             raise ValueError("the path has no pose")
-        points = np.array([(pose.x, pose.y) for pose in poses], dtype=np.float64)
-        cells, inside = geometry.cells_of(points)
+        places = np.array([(pose.x, pose.y) for pose in poses], dtype=np.float64)
+        cells, inside = geometry.cells_of(places)
         if not inside.all():
-            x, y = points[int(np.argmin(inside))]
+            x, y = places[int(np.argmin(inside))]
             raise ValueError(f"the path leaves the map at ({x:.2f}, {y:.2f}) m")
         if (np.abs(np.diff(cells, axis=0)) > 1).any():
             raise ValueError("the path jumps over cells")
-        if robot.distance_to(*points[0]) > 1.5 * geometry.resolution:
+        if robot.distance_to(*places[0]) > 1.5 * geometry.resolution:
             raise ValueError(
-                f"the path starts at ({points[0, 0]:.2f}, {points[0, 1]:.2f}) m, the robot is at "
+                f"the path starts at ({places[0, 0]:.2f}, {places[0, 1]:.2f}) m, the robot is at "
                 f"({robot.x:.2f}, {robot.y:.2f}) m"
             )
-        return cls(points, alpha, geometry.resolution)
+        points = np.column_stack(geometry.centre_coordinates(cells[:, 0], cells[:, 1]))
+        return cls(points, places, alpha, geometry.resolution)

@@ -379,9 +379,9 @@ class Planner:
         return out
 
     def _poses(self, places: NDArray[np.float64], heading: float) -> tuple[Pose2, ...]:
-        """Return places (row, column) as poses, each heading to the next, the last as the one before.
+        """Return places (row, column) as poses, each heading to the next.
 
-        `heading` [rad] is that of a path of one cell.
+        The last heads as the one before; `heading` [rad] is that of a path of one cell.
         """
         steps = np.diff(places, axis=0)
         headings = [math.atan2(row, column) for row, column in steps.tolist()]

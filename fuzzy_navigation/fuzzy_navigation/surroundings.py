@@ -26,6 +26,8 @@ Points = NDArray[np.float64]
 NEAR = 0.5
 #: Stops in a row without progress after which points whose distance is a guess are remembered.
 GUESSES_BELIEVED = 2
+#: Infrareds of one perception that tell now of this, now of that, from which on there is a doubt.
+UNSTEADY = 3
 
 #: Sensors that are named one by one; of more the others are counted.
 NAMED = 4
@@ -175,6 +177,18 @@ class Surroundings:
     def remembered(self) -> Points:
         """The hit points (x, y) [m] since the perception began, shape (n, 2)."""
         return self._memory.points if self._p.layer.enabled else self._memory.added
+
+    @property
+    def surfaces(self) -> Points:
+        """The points (x, y) [m] that the infrareds hit at the perception, shape (n, 2)."""
+        p = self._p.infrared
+        return hit_points(self._memory.infrared, p.mount_radius, p.min_range, p.max_range)
+
+    @property
+    def doubt(self) -> str:
+        """Why what was seen at the perception is not to be believed; empty if it is."""
+        count = self._memory.unsteady
+        return f"{count} infrareds told now of this, now of that" if count >= UNSTEADY else ""
 
     def known(self, now: float) -> Points:
         """Return all hit points (x, y) [m] to keep clear of, shape (n, 2)."""

@@ -29,7 +29,7 @@ class TriedPlaces:
         self._patience = p.patience
         shift = p.layer.shift if p.subcell_target else 0.0
         self._refused = RefusedCells(p.refusal_memory, keep_out, p.believed_free_alpha, shift)
-        self._looks = FrontierLooks(p.frontier_looks, p.frontier_reach)
+        self._looks = FrontierLooks(p.frontier_looks, p.frontier_reach, keep_out)
         self.forget()
 
     def forget(self) -> None:
@@ -38,9 +38,9 @@ class TriedPlaces:
         self._looks.forget()
         self._looked_again = False
 
-    def perceived(self, area: ExploredArea, pose: Pose2) -> None:
-        """Take note of a perception, the map after it, and where it was made."""
-        self._looks.look(area.cells, area.geometry, pose)
+    def perceived(self, area: ExploredArea, pose: Pose2, hits: Points) -> None:
+        """Take note of a perception: the map after it, where it was made, what infrareds hit."""
+        self._looks.look(area.cells, area.geometry, pose, hits)
 
     def stopped(
         self, record: MissionRecord, hits: Points, ahead: tuple[float, float], area: ExploredArea

@@ -11,7 +11,16 @@ from fuzzy_navigation.mission_types import Outcome
 from fuzzy_navigation.params import MotionParameters
 from fuzzy_navigation.plan_types import PlanResult, PlanStatus
 
-__all__ = ["Verdict", "arrival", "exhaustion", "no_plan", "outside", "stalemate", "stuck"]
+__all__ = [
+    "Verdict",
+    "arrival",
+    "doubted",
+    "exhaustion",
+    "no_plan",
+    "outside",
+    "stalemate",
+    "stuck",
+]
 
 Verdict = tuple[Outcome, str]
 
@@ -85,3 +94,15 @@ def exhaustion(
         f"not reached after {record.perceptions} perceptions, the most that 'perception_cap' "
         f"allows; {distance_remaining:.2f} m were left",
     )
+
+
+def doubted(verdict: Verdict, doubt: str) -> Verdict:
+    """Return a verdict in the light of what makes the map doubtful, in words.
+
+    What the robot has reached it has. That there is no way is more than a map in doubt tells.
+    """
+    outcome, message = verdict
+    if outcome is Outcome.REACHED or not doubt or doubt in message:
+        return verdict
+    message += f"; on the way {doubt}, so that the map may be wrong"
+    return (Outcome.FAILED if outcome is Outcome.UNREACHABLE else outcome), message

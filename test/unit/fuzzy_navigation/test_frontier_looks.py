@@ -190,3 +190,19 @@ def test_without_the_rule_and_off_the_map_nothing_is_remembered(enough, pose):
     looks.look(cells, geometry, pose or here)
     assert looks.barred(cells) == ()
     assert not looks.again()
+
+
+def test_where_an_infrared_sees_what_is_in_the_way_half_the_looks_are_enough():
+    cells, geometry, pose = drawn(ROOM)
+    hit = np.array([(pose.x, pose.y + 0.31)])
+    looks = FrontierLooks(8, 2.0, keep_out=0.28)
+    seen = set(map(tuple, frontier_in_sight(cells, geometry, pose, 2.0).tolist()))
+    near = {c for c in seen if math.dist(geometry.centre_of(*c), hit[0]) < 0.28}
+    assert 5 < len(near) < 40
+    looks.look(cells, geometry, pose, hit)
+    assert looks.barred(cells) == ()
+    looks.look(cells, geometry, pose, hit)
+    assert {geometry.cell_of(*xy) for xy in looks.barred(cells)} == near
+    for _ in range(6):
+        looks.look(cells, geometry, pose)
+    assert {geometry.cell_of(*xy) for xy in looks.barred(cells)} == seen
