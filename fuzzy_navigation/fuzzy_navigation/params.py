@@ -94,7 +94,7 @@ class PlannerParameters:
         source="paper, section V: first",
     )
     rung_factor: float = parameter(
-        1.5,
+        2.0,
         doc="how many times the cheapest path a path on a lower rung may cost",
         minimum=1.0,
         maximum=1e6,
@@ -113,16 +113,16 @@ class PlannerParameters:
         maximum=MAX_TOLERANCE,
     )
     epsilon: float = parameter(
-        0.2,
-        doc="constant added to the risk of each cell: how much a path through cells that nobody "
-        "has explored is preferred to one through free cells",
+        0.01,
+        doc="constant added to the risk of each cell: where least_risk is 0, how much a path "
+        "through cells that nobody has explored is preferred to one through free cells",
         minimum=1e-9,
         maximum=1.0,
     )
     least_risk: float = parameter(
-        0.1,
-        doc="risk that every cell of a path costs at least: that of known free ground, where "
-        "ground that nobody has explored is not to be preferred to it",
+        0.3,
+        doc="risk that every cell of a path costs at least: below that of ground that is free, "
+        "though little is known of it, the shorter path is the better one",
         minimum=0.0,
         maximum=1.0,
     )
@@ -310,6 +310,7 @@ PLANNER_PRESETS: Mapping[str, Mapping[str, Any]] = {
         "any_angle": False,
         "augmentation": "square",
         "diagonal": "unit",
+        "epsilon": 0.2,
         "least_risk": 0.0,
         "rung_choice": "first",
         "layer.enabled": False,

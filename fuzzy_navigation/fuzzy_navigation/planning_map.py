@@ -93,9 +93,9 @@ class Rungs(Protocol):
         """Return the costs g1, g2, g3 of a path on the augmented map."""
 
     def weights(self, query: Query, rung: float, window: Window) -> NDArray[np.float64]:
-        """Return what it costs to enter each cell of a window, infinite where no path may.
+        """Return what it costs to enter each cell of a window that holds the start.
 
-        A constant factor apart, which is the same for all cells.
+        Infinite where no path may; a constant factor apart, which is the same for all cells.
         """
 
 
@@ -165,7 +165,12 @@ class LayeredMap:
         """See `Rungs`."""
         mu = np.maximum(self._paid[window.slices], query.least_risk) + query.epsilon
         weights = mu * mu if query.cost == "g2" else mu
-        weights[~self._admissible(query, rung)[window.slices]] = math.inf
+        bars = self._bars(query)
+        closed = self._cut[window.slices] > rung
+        if bars is not None:
+            closed |= bars[window.slices]
+        closed[query.start[0] - window.row0, query.start[1] - window.col0] = False
+        weights[closed] = math.inf
         return weights
 
     def _bars(self, query: Query) -> NDArray[np.bool_] | None:

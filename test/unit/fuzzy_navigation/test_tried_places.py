@@ -98,7 +98,7 @@ def test_all_is_looked_at_again_while_patience_lasts_and_once_after_it(
     area = ExploredArea(GEOMETRY, np.ones(GEOMETRY.shape), 0.9, 0.23, "disc")
     granted = 0
     for perception in perceptions:
-        tried.perceived(area, Pose2(1.05, 2.05))
+        tried.perceived(area, Pose2(1.05, 2.05), np.empty((0, 2)))
         assert len(tried.barred(perception, area)) > 20
         if tried.try_again(perception):
             granted += 1
@@ -106,5 +106,5 @@ def test_all_is_looked_at_again_while_patience_lasts_and_once_after_it(
     assert granted == times
     tried.forget()
     assert tried.barred(100, area) == ()
-    tried.perceived(area, Pose2(1.05, 2.05))
+    tried.perceived(area, Pose2(1.05, 2.05), np.empty((0, 2)))
     assert tried.try_again(100)
