@@ -264,9 +264,11 @@ class GridGeometry:
         return cells, inside
 
     def centre_coordinates(
-        self, row: NDArray[np.int64], column: NDArray[np.int64]
+        self,
+        row: NDArray[np.int64] | NDArray[np.float64],
+        column: NDArray[np.int64] | NDArray[np.float64],
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return the centres' x of columns and y of rows [m]."""
+        """Return the centres' x of columns and y of rows [m]; of fractions, places between."""
         x: NDArray[np.float64] = self.origin[0] + np.add(column, 0.5) * self.resolution
         y: NDArray[np.float64] = self.origin[1] + np.add(row, 0.5) * self.resolution
         return x, y
