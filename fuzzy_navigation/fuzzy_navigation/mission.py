@@ -323,8 +323,9 @@ class Mission(MissionState):
         request = self._request.make(self._time.elapsed, self._p.timeout.plan)
         barred = self._tried.barred(self._record.perceptions, self._known)
         r, hits = self._record, tuple((x, y) for x, y in self._around.remembered.tolist())
-        slim = self._p.slim_radius, self._p.believed_free_alpha
-        return [Plan(request, self._here, r.goal, r.path_tolerance, barred, hits, *slim)]
+        p = self._p
+        how = p.slim_radius, p.believed_free_alpha, p.any_angle
+        return [Plan(request, self._here, r.goal, r.path_tolerance, barred, hits, *how)]
 
     def _move(self, plan: PlanResult) -> list[Command]:
         try:

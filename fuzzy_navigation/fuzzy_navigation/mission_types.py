@@ -82,6 +82,8 @@ class Plan:
         Points (x, y) [m] that the sensors have hit.
     slim_radius, slim_above : float
         As `Planner.plan` takes them.
+    any_angle : bool
+        Whether straight lines at any angle are wanted.
     """
 
     request: int
@@ -92,6 +94,7 @@ class Plan:
     hits: tuple[tuple[float, float], ...] = ()
     slim_radius: float = 0.0
     slim_above: float = 0.0
+    any_angle: bool = False
 
 
 @dataclass(frozen=True)

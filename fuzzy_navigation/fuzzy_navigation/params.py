@@ -152,11 +152,6 @@ class PlannerParameters:
         doc="whether a diagonal step may pass between cells that are not admissible; "
         "if not, both cells beside the step have to be",
     )
-    any_angle: bool = parameter(
-        True,
-        doc="whether the cells of a path are joined by straight lines at any angle where that "
-        "costs no more; if not, paths run in the eight directions of the cells' neighbours",
-    )
     layer: LayerParameters = field(default_factory=LayerParameters)
 
     def __post_init__(self) -> None:
@@ -273,6 +268,12 @@ class MotionParameters:
         minimum=0.0,
         maximum=5.0,
     )
+    any_angle: bool = parameter(
+        True,
+        doc="whether the planner is asked to join the cells of its path by straight lines at any "
+        "angle where that costs no more; if not, paths run in the eight directions of the cells' "
+        "neighbours",
+    )
     goal_tolerance: float = parameter(
         0.3,
         doc="distance from the goal that counts as reached",
@@ -307,7 +308,6 @@ class MotionParameters:
 PLANNER_PRESETS: Mapping[str, Mapping[str, Any]] = {
     DEFAULT_PRESET: {},
     PAPER_PRESET: {
-        "any_angle": False,
         "augmentation": "square",
         "diagonal": "unit",
         "epsilon": 0.2,
@@ -319,6 +319,7 @@ PLANNER_PRESETS: Mapping[str, Mapping[str, Any]] = {
 MOTION_PRESETS: Mapping[str, Mapping[str, Any]] = {
     DEFAULT_PRESET: {},
     PAPER_PRESET: {
+        "any_angle": False,
         "augmentation": "square",
         "clearance.rule": "closing",
         "frontier_looks": 0,

@@ -62,8 +62,8 @@ class PlanResult:
     path : ndarray of int64, shape (n, 2)
         Cells (row, column), start and goal included; n = 0 unless found.
     poses : tuple of Pose2
-        Places in the path's cells [m], each heading to the next [rad]: where its straight lines
-        pass through them.
+        Centres of the path's cells [m], each heading to the next [rad]; of a path at any angle
+        the places where its lines pass through them.
     g1, g2, g3 : float
         Costs of the path on M_p^a + epsilon; infinite unless found.
     alpha : float

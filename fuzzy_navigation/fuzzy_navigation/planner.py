@@ -168,6 +168,7 @@ class Planner:
         hits: ArrayLike = (),
         slim_radius: float = 0.0,
         slim_above: float = 0.0,
+        any_angle: bool = False,
     ) -> PlanResult:
         """Answer a request for a path; never raises for what the request holds.
 
@@ -199,6 +200,11 @@ class Planner:
             the true robot's own path.
         slim_above : float
             Rung, in [0, 1].
+        any_angle : bool
+            Whether to join the cells of the path by straight lines at any angle where these
+            cost no more, as the length of a line and not of its cells' steps counts. Poses then
+            lie where the lines pass through their cells, not at the centres, and g1, g2 and g3
+            are those of the cells on the lines. Without effect on g3 and 4-adjacency.
 
         Returns
         -------
@@ -220,7 +226,7 @@ class Planner:
         ):
             if not self.geometry.contains(*xy):
                 return PlanResult(status, self._outside(name, xy))
-        return self._climb(request, slim)
+        return self._climb(request, slim, any_angle)
 
     def _checked(
         self,
@@ -273,7 +279,7 @@ class Planner:
             return None
         return clearance_layer(self.geometry, hits, p.robot_radius, p.layer)
 
-    def _climb(self, request: _Request, slim: _Slim) -> PlanResult:
+    def _climb(self, request: _Request, slim: _Slim, any_angle: bool) -> PlanResult:
         """Try rung after rung, and take the path of the first that does."""
         p = self._parameters
         query = Query(
@@ -310,8 +316,8 @@ class Planner:
             goal_blocked = rungs.blocked(query, last)
             message = _no_path(request, goal_blocked) + self._closed_by_request(request, query)
             return PlanResult(PlanStatus.NO_PATH, message, alpha=last)
-        path, places = self._straight(rungs, query, rung, result.path)
-        message = f"path of {len(path)} cells at alpha {rung:g}"
+        chosen: tuple[Rungs, float, SearchResult] = rungs, rung, result
+        message = f"path of {len(result.path)} cells at alpha {rung:g}"
         if rung > request.rungs[0]:
             dearer = found[request.rungs[0]] is not None
             message += (
@@ -321,8 +327,12 @@ class Planner:
             slimmer = self._map.slimmer(slim.radius, request.layer)
             slim_path = slimmer.search(query, request.rungs[0])
             if slim_path is not None:
-                path, places = self._straight(slimmer, query, request.rungs[0], slim_path.path)
-                message += f"; instead that of a slimmer robot, of {len(path)} cells"
+                chosen = slimmer, request.rungs[0], slim_path
+                message += f"; instead that of a slimmer robot, of {len(slim_path.path)} cells"
+        path = chosen[2].path
+        places = path.astype(np.float64)
+        if any_angle and query.adjacency == 8 and query.cost != "g3":
+            path, places = _straight(chosen[0], query, chosen[1], path)
         return PlanResult(
             PlanStatus.FOUND,
             message,
@@ -332,19 +342,6 @@ class Planner:
             rung,
             sum(result.expanded for result in found.values() if result is not None),
         )
-
-    def _straight(
-        self, rungs: Rungs, query: Query, rung: float, path: NDArray[np.int64]
-    ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """Return the path pulled straight, if it is to be: its cells, and places in them."""
-        if not self._parameters.any_angle or query.adjacency != 8 or query.cost == "g3":
-            return path, path.astype(np.float64)
-        first = path.min(axis=0)
-        row0, col0 = first.tolist()
-        row1, col1 = (path.max(axis=0) + 1).tolist()
-        weights = rungs.weights(query, rung, Window(row0, row1, col0, col1))
-        cells, places = pulled_straight(path - first, weights, query.corner_cutting)
-        return cells + first, places + first
 
     def _closed_by_request(self, request: _Request, query: Query) -> str:
         """Say what of the request, not of the map, closes a way that the map has; else nothing."""
@@ -395,6 +392,18 @@ class Planner:
             f"the {name} ({xy[0]:.2f}, {xy[1]:.2f}) m lies outside the map, which covers "
             f"x {x0:g} to {x1:g} m and y {y0:g} to {y1:g} m; choose a point inside"
         )
+
+
+def _straight(
+    rungs: Rungs, query: Query, rung: float, path: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Return the path pulled straight: its cells, and places in them (row, column)."""
+    first = path.min(axis=0)
+    row0, col0 = first.tolist()
+    row1, col1 = (path.max(axis=0) + 1).tolist()
+    weights = rungs.weights(query, rung, Window(row0, row1, col0, col1))
+    cells, places = pulled_straight(path - first, weights, query.corner_cutting)
+    return cells + first, places + first
 
 
 def _no_path(request: _Request, goal_blocked: bool) -> str:

@@ -197,6 +197,7 @@ class HeadlessMission:
                     hits=command.hits,
                     slim_radius=command.slim_radius,
                     slim_above=command.slim_above,
+                    any_angle=command.any_angle,
                 )
                 self._handle(self.mission.on_plan(self.now, command.request, plan))
             else:

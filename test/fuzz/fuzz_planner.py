@@ -120,6 +120,7 @@ class Case:
         if draw.one_in(3):
             request.slim_radius = messages.float32(draw.number(lambda: draw.between(0.0, 0.2)))
             request.slim_above = messages.float32(draw.number(lambda: draw.choice((0.6, 1.0))))
+        request.any_angle = draw.one_in(2)
         rejected = self.bench.rejected()
         answer = self.node._on_plan_path(request, PlanPath.Response())
         assert 0 < len(answer.message) < 3000

@@ -325,3 +325,4 @@ def test_changed_parameters_hold_once_no_mission_goes_by_the_old(scene: Scene) -
     slim = [(asked.slim_radius, asked.slim_above) for asked in scene.planner.requests]
     assert slim[0] == (0.0, pytest.approx(0.6))
     assert slim[-1] == pytest.approx((0.1, 0.6))
+    assert all(asked.any_angle for asked in scene.planner.requests)

@@ -82,6 +82,7 @@ REQUESTS: list[dict[str, Any]] = [
     {"barred": [Point(x=1.05, y=y) for y in np.arange(1.35, 2.1, 0.1)], "alpha": 0.6},
     {"hits": [Point(x=1.05, y=y) for y in np.arange(1.35, 2.1, 0.1)]},
     {"slim_radius": 0.12, "slim_above": 0.05},
+    {"any_angle": True},
 ]
 COSTS = {0: None, 1: "g1", 2: "g2", 3: "g3"}
 
@@ -101,6 +102,7 @@ def test_plan_path_answers_what_the_core_answers(planner: Driver) -> None:
             hits=[(point.x, point.y) for point in asked.hits],
             slim_radius=asked.slim_radius,
             slim_above=asked.slim_above,
+            any_angle=asked.any_angle,
         )
         response = planner.plan(**fields)
         assert response.status == expected.status, fields

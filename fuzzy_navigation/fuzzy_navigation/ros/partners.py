@@ -235,6 +235,7 @@ class PlannerClient:
             hits=[Point(x=x, y=y) for x, y in plan.hits],
             slim_radius=plan.slim_radius,
             slim_above=plan.slim_above,
+            any_angle=plan.any_angle,
         )
         self._renewal.begin()
         self._future = self._client.call_async(request)

@@ -112,6 +112,7 @@ class PlannerNode(Node):
                 [(point.x, point.y) for point in request.hits],
                 request.slim_radius,
                 request.slim_above,
+                request.any_angle,
             )
         else:
             known = ", ".join(map(str, sorted(_COSTS)))
@@ -147,13 +148,23 @@ class PlannerNode(Node):
         hits: Sequence[tuple[float, float]] = (),
         slim_radius: float = 0.0,
         slim_above: float = 0.0,
+        any_angle: bool = False,
     ) -> PlanResult:
         try:
             poses = requested_pose(start, "the start"), requested_pose(goal, "the goal")
         except Refused as refusal:
             return _bad_request(str(refusal))
         return self._planner.plan(
-            *poses, cost, alpha, adjacency, tolerance, barred, hits, slim_radius, slim_above
+            *poses,
+            cost,
+            alpha,
+            adjacency,
+            tolerance,
+            barred,
+            hits,
+            slim_radius,
+            slim_above,
+            any_angle,
         )
 
     def _answer(self, service: str, result: PlanResult) -> Path:

@@ -12,7 +12,7 @@ import pytest
 
 from fuzzy_map_building.grid import GridGeometry
 from fuzzy_navigation.any_angle import MOST_KNOTS, pulled_straight
-from fuzzy_navigation.params import planner_parameters
+from fuzzy_navigation.params import motion_parameters
 from fuzzy_navigation.planner import Planner
 from fuzzy_navigation.search import find_path
 
@@ -98,11 +98,16 @@ def test_long_paths_keep_their_ends_and_their_cells():
     assert length(places) == pytest.approx(math.dist((0, 0), (599, 39)), rel=2e-3)
 
 
-def test_the_planner_s_poses_lie_on_the_line_and_in_the_path_s_cells():
+def asked(any_angle, **request):
+    """Return a plan over an empty map, and its geometry."""
     geometry = GridGeometry(60, 40, 0.1)
     planner = Planner(geometry)
     planner.set_map(np.zeros((40, 60)))
-    plan = planner.plan((0.55, 0.55), (5.35, 2.45))
+    return planner.plan((0.55, 0.55), (5.35, 2.45), any_angle=any_angle, **request), geometry
+
+
+def test_the_planner_s_poses_lie_on_the_line_and_in_the_path_s_cells():
+    plan, geometry = asked(True)
     off = [abs((p.y - 0.55) * 4.8 - (p.x - 0.55) * 1.9) / math.hypot(4.8, 1.9) for p in plan.poses]
     assert max(off) < 0.005
     for pose, cell in zip(plan.poses, plan.path.tolist(), strict=True):
@@ -110,11 +115,15 @@ def test_the_planner_s_poses_lie_on_the_line_and_in_the_path_s_cells():
 
 
 @pytest.mark.parametrize(
-    "values", [{"any_angle": False}, {"adjacency": 4}, {"cost": "g3", "adjacency": 8}]
+    ("any_angle", "request_of"),
+    [(False, {}), (True, {"adjacency": 4}), (True, {"cost": "g3", "adjacency": 8})],
 )
-def test_other_paths_lead_through_the_centres(values):
-    geometry = GridGeometry(60, 40, 0.1)
-    planner = Planner(geometry, planner_parameters(overrides=values))
-    planner.set_map(np.zeros((40, 60)))
-    for pose in planner.plan((0.55, 0.55), (5.35, 2.45)).poses:
-        assert geometry.centre_of(*geometry.cell_of(pose.x, pose.y)) == (pose.x, pose.y)
+def test_other_paths_lead_through_the_centres(any_angle, request_of):
+    plan, geometry = asked(any_angle, **request_of)
+    for pose, cell in zip(plan.poses, plan.path.tolist(), strict=True):
+        assert geometry.centre_of(*cell) == (pose.x, pose.y)
+
+
+@pytest.mark.parametrize("preset", ["consistent", "oriolo1998"])
+def test_only_the_motion_of_consistent_asks_for_it(preset):
+    assert motion_parameters(preset).any_angle is (preset == "consistent")

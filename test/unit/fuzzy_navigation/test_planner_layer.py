@@ -21,7 +21,7 @@ GEOMETRY = GridGeometry(40, 30, 0.1, (-1.0, 2.0))
 def layered(risk=None, **parameters):
     """A planner for a point, so that the map's risks stay in their cells and count as they are."""
     values = np.zeros((30, 40)) if risk is None else risk
-    plain = {"robot_radius": 0.0, "epsilon": 0.2, "least_risk": 0.0, "any_angle": False}
+    plain = {"robot_radius": 0.0, "epsilon": 0.2, "least_risk": 0.0}
     planner = Planner(GEOMETRY, PlannerParameters(**(plain | parameters)))
     planner.set_map(values)
     return planner
