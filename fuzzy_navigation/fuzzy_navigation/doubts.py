@@ -12,8 +12,8 @@ from __future__ import annotations
 
 __all__ = ["Doubts"]
 
-#: How often a mission begins to look again.
-MOST_TIMES = 3
+#: How often a mission begins to look again; its perceptions run out sooner or later.
+MOST_TIMES = 10
 
 
 class Doubts:

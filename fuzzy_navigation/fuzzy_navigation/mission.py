@@ -29,6 +29,7 @@ from fuzzy_navigation.mission_types import (
     Plan,
     Stop,
 )
+from fuzzy_navigation.motion import NOTHING
 from fuzzy_navigation.plan_types import PlanResult, PlanStatus
 from fuzzy_navigation.planned_path import PlannedPath
 
@@ -314,8 +315,9 @@ class Mission(MissionState):
         self._request.settle()
         self._around.end_perception()
         self._record.perceived(now, self._here, self._distance_remaining())
-        self._tried.perceived(self._known, self._here, self._around.surfaces)
-        self._doubts.note(self._around.doubt)
+        doubt = self._around.doubt
+        self._doubts.note(doubt)
+        self._tried.perceived(self._known, self._here, NOTHING if doubt else self._around.surfaces)
         return self._plan()
 
     def _plan(self) -> list[Command]:
