@@ -29,7 +29,6 @@ from fuzzy_navigation.mission_types import (
     Plan,
     Stop,
 )
-from fuzzy_navigation.motion import NOTHING
 from fuzzy_navigation.plan_types import PlanResult, PlanStatus
 from fuzzy_navigation.planned_path import PlannedPath
 
@@ -78,11 +77,9 @@ class Mission(MissionState):
         commands: list[Command] = []
         if self.active:
             commands += self._finish((Outcome.CANCELED, "a newer goal replaced this one"))
-        started = self._time.elapsed
-        self._record = MissionRecord(self._record.mission + 1, target, accuracy, started)
-        self._motion.forget()
-        self._tried.forget()
-        self._doubts.forget()
+        mission = self._record.mission + 1
+        self._record = MissionRecord(mission, target, accuracy, self._time.elapsed)
+        self._forget()
         self._state = State.WAITING
         if self._area and (refusal := verdicts.outside(self._record, self._area.geometry)):
             commands += self._finish(refusal)
@@ -315,19 +312,18 @@ class Mission(MissionState):
         self._request.settle()
         self._around.end_perception()
         self._record.perceived(now, self._here, self._distance_remaining())
-        doubt = self._around.doubt
-        self._doubts.note(doubt)
-        self._tried.perceived(self._known, self._here, NOTHING if doubt else self._around.surfaces)
+        self._doubts.note(self._around.doubt)
+        self._tried.perceived(self._known, self._here, self._around.surfaces)
         return self._plan()
 
     def _plan(self) -> list[Command]:
         self._state = State.PLANNING
-        request = self._request.make(self._time.elapsed, self._p.timeout.plan)
-        barred = self._tried.barred(self._record.perceptions, self._known)
-        r, hits = self._record, tuple((x, y) for x, y in self._around.remembered.tolist())
-        p = self._p
-        how = p.slim_radius, p.believed_free_alpha, p.any_angle
-        return [Plan(request, self._here, r.goal, r.path_tolerance, barred, hits, *how)]
+        p, r = self._p, self._record
+        request = self._request.make(self._time.elapsed, p.timeout.plan)
+        barred = self._tried.barred(r.perceptions, self._known)
+        hits = tuple((x, y) for x, y in self._around.remembered.tolist())
+        how = hits, p.slim_radius, p.believed_free_alpha, p.any_angle
+        return [Plan(request, self._here, r.goal, r.path_tolerance, barred, *how)]
 
     def _move(self, plan: PlanResult) -> list[Command]:
         try:
@@ -375,10 +371,8 @@ class Mission(MissionState):
             return self._finish(verdict)
         self._note_stop(self._motion.stopped)
         verdict = verdicts.stalemate(self._record, self._here, self._p)
-        if verdict:
-            return self._judged(verdict)
-        if self._record.without_progress == 0 or not self._turn.begin(self._here):
-            return self._perceive()
+        if verdict or self._record.without_progress == 0 or not self._turn.begin(self._here):
+            return self._judged(verdict) if verdict else self._perceive()
         self._state = State.TURNING
         return []
 
@@ -391,10 +385,9 @@ class Mission(MissionState):
         self._tried.stopped(self._record, hits, self._motion.next_point, self._known)
 
     def _judged(self, verdict: verdicts.Verdict) -> list[Command]:
-        """End with a verdict, unless there is a doubt in what it rests on: then look again."""
+        """End, unless there is a doubt in what the verdict rests on: then look again."""
         if verdict[0] is not Outcome.UNREACHABLE or not self._doubts.look_again():
             return self._finish(verdict)
-        self._request.settle()
         self._tried.forget()
         self._record.without_progress = 0
         return self._perceive()
@@ -404,5 +397,5 @@ class Mission(MissionState):
         self._around.rest()
         self._request.settle()
         self._hold.end()
-        outcome, message = verdicts.doubted(verdict, self._doubts.reason)
-        return [Drive(0.0, 0.0), self._record.finish(outcome, message, self._time.elapsed)]
+        told = verdicts.doubted(verdict, self._doubts.reason)
+        return [Drive(0.0, 0.0), self._record.finish(*told, self._time.elapsed)]

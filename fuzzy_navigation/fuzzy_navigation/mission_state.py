@@ -102,6 +102,11 @@ class MissionState:
         """What is set up so that the mission cannot be done as it is meant; empty if nothing."""
         return ""
 
+    def _forget(self) -> None:
+        """Forget what belongs to the mission before."""
+        for memory in (self._motion, self._tried, self._doubts):
+            memory.forget()
+
     def _pose_age(self) -> float:
         return self._time.elapsed - self._pose_time
 

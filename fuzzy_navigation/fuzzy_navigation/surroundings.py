@@ -180,7 +180,12 @@ class Surroundings:
 
     @property
     def surfaces(self) -> Points:
-        """The points (x, y) [m] that the infrareds hit at the perception, shape (n, 2)."""
+        """The points (x, y) [m] that the infrareds hit at the perception, shape (n, 2).
+
+        None where there is a doubt.
+        """
+        if self.doubt:
+            return np.empty((0, 2))
         p = self._p.infrared
         return hit_points(self._memory.infrared, p.mount_radius, p.min_range, p.max_range)
 

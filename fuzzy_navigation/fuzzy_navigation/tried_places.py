@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from fuzzy_map_building.types import Pose2
 from fuzzy_navigation.explored_area import ExploredArea
 from fuzzy_navigation.frontier_looks import FrontierLooks
@@ -12,6 +14,8 @@ from fuzzy_navigation.params import MotionParameters
 from fuzzy_navigation.refused_cells import Points, RefusedCells
 
 __all__ = ["TriedPlaces"]
+
+_NOTHING = np.empty((0, 2))
 
 
 class TriedPlaces:
@@ -38,7 +42,7 @@ class TriedPlaces:
         self._looks.forget()
         self._looked_again = False
 
-    def perceived(self, area: ExploredArea, pose: Pose2, hits: Points) -> None:
+    def perceived(self, area: ExploredArea, pose: Pose2, hits: Points = _NOTHING) -> None:
         """Take note of a perception: the map after it, where it was made, what infrareds hit."""
         self._looks.look(area.cells, area.geometry, pose, hits)
 

@@ -114,7 +114,8 @@ class Workspace:
         # Beside the cell before, nothing is reached for less through this one: where steps of
         # every kind cost the same, that holds for all cells that both touch.
         everywhere = (field.bottleneck or diagonal == 1.0) and corner_cutting
-        most = field.cells.size if limit is None else limit
+        # Not the number of cells: on even ground some are expanded several times.
+        most = np.iinfo(np.int64).max if limit is None else limit
         steps = _steps(adjacency, everywhere, width)
         frame = np.array([*field.corner, field.laid.shape[1]])
         arrays = (*steps, order.factors[steps[1]], cost, self._label, buckets)

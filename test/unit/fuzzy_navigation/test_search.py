@@ -308,3 +308,12 @@ def test_nothing_is_compiled_after_warm_up():
     find_path(risk.round(2), (0, 0), (9, 9), workspace=wide)
     assert [len(kernels.best_first.signatures), len(kernels.trace.signatures)] == before
     assert before == [4, 2]  # costs by a table, and costs as they are; both on large maps
+
+
+@pytest.mark.parametrize("shape", [(200, 40), (600, 40), (40, 300)])
+def test_on_even_ground_cells_that_are_expanded_again_do_not_end_the_search(shape):
+    goal = (shape[0] - 10, shape[1] - 10)
+    found = find_path(np.zeros(shape), (3, 3), goal, "g2", diagonal="sqrt2")
+    assert found.found
+    low, high = sorted((goal[0] - 3, goal[1] - 3))
+    assert found.g2 == pytest.approx(0.04 * (1.0 + high - low + math.sqrt(2.0) * low))
