@@ -60,7 +60,7 @@ class LayerParameters:
         maximum=1.0,
     )
     cost: float = parameter(
-        0.5,
+        0.8,
         doc="part of the layer's risk, of no more than 1, that a path pays",
         minimum=0.0,
         maximum=1.0,

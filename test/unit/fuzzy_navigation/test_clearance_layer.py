@@ -99,7 +99,7 @@ def test_the_layer_is_that_of_each_cell_s_best_place(seed):
             x, y = GEOMETRY.centre_of(row, column)
             risk = risk_by_hand(max(clearances_by_hand(x, y, hits).values()))
             assert cut[row, column] == pytest.approx(risk, abs=1e-9)
-            assert cost[row, column] == pytest.approx(0.5 * min(risk, 1.0), abs=1e-9)
+            assert cost[row, column] == pytest.approx(0.8 * min(risk, 1.0), abs=1e-9)
 
 
 def test_no_hit_points_give_no_risk():
