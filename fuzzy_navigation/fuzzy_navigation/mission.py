@@ -297,8 +297,7 @@ class Mission(MissionState):
         return self._finish(verdict) if verdict else self._perceive()
 
     def _perceive(self) -> list[Command]:
-        verdict = verdicts.exhaustion(self._record, self._p, self._distance_remaining())
-        if verdict:
+        if verdict := verdicts.exhaustion(self._record, self._p, self._distance_remaining()):
             return self._finish(verdict)
         self._state = State.PERCEIVING
         self._around.begin_perception()
