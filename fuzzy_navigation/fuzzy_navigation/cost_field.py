@@ -47,7 +47,7 @@ class CostField:
     cells : ndarray of int8 or float64, shape (H + 2, W + 2)
         The cost, or its index in `table`; the border must not be entered.
     table : ndarray of float64, shape (128,), or None
-        Costs by code, infinite for `NO_ENTRY`; None where `cells` holds costs.
+        Costs by code, infinite for `NO_ENTRY`, 0 for `LAID`; None where `cells` holds costs.
     heuristic : float
         No less than this a straight step costs; 0 where that is not known.
     most : float
@@ -155,6 +155,7 @@ def coded_costs(
     if laid is None:
         return out
     _weigh(laid, least, cost)
+    table[LAID] = 0.0
     return replace(out, laid=laid, corner=corner)
 
 

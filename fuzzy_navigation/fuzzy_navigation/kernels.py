@@ -271,24 +271,25 @@ def best_first(
         for i in range(begin[arrival], begin[arrival + 1]):
             i &= _INDEX
             neighbour = (cell + offsets[i]) & _INDEX
-            if table is None:
-                weight = field[neighbour]
-            else:
-                code = field[neighbour] & _CODE
-                weight = table[code]
-                if code == LAID:
-                    away = row + rows[i] - frame[0], column + columns[i] - frame[1]
-                    weight = laid[(away[0] * frame[2] + away[1]) & _INDEX]
-            if bottleneck:
-                # g3 of the longer path: arc costs as in the paper, section IV-A2.
-                reached = weight * factors[i]
-                if reached < so_far:
-                    reached = so_far
-            else:
-                reached = so_far + factors[i] * weight
+            weight = field[neighbour] if table is None else table[field[neighbour] & _CODE]
+            # g3 of the longer path: arc costs as in the paper, section IV-A2.
+            reached = factors[i] * weight
+            if not bottleneck:
+                reached += so_far
+            elif reached < so_far:
+                reached = so_far
             before = cost[neighbour]
             if reached > before:
                 continue
+            if table is not None and field[neighbour] == LAID:
+                # The table says 0, which is too little: few cells are laid and many looked at.
+                reached = factors[i] * _weight(neighbour, field, table, laid, frame, width)
+                if not bottleneck:
+                    reached += so_far
+                elif reached < so_far:
+                    reached = so_far
+                if reached > before:
+                    continue
             reached_length = so_long + lengths[i]
             if reached == before:
                 if tie_length == 0:

@@ -1,6 +1,6 @@
 # Copyright 2026 The fuzzy navigation maintainers
 # SPDX-License-Identifier: Apache-2.0
-"""Runs something once in a process of its own: how long the first time takes, and its memory."""
+"""Runs something once in a process of its own: processor time of the first time, and memory."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ def _resident(peak: bool) -> int:
 
 def _measure(call: Callable[[], object], end: Connection) -> None:
     before = _resident(peak=False)
-    began = time.perf_counter()
+    began = time.process_time()
     call()
-    seconds = time.perf_counter() - began
+    seconds = time.process_time() - began
     end.send((seconds, max(0, _resident(peak=True) - before)))
 
 
 def first_call(call: Callable[[], object]) -> tuple[float, int]:
-    """Return time [s] and additional memory at its peak [bytes] of a call in a new process.
+    """Return processor time [s] and additional peak memory [bytes] of a call in a new process.
 
     All modules are loaded and all kernels compiled, but no memory has been touched.
     """

@@ -70,9 +70,9 @@ def test_a_replan_costs_the_same_on_a_map_of_any_size(layer):
     for k in range(40):
         for size in SIZES:
             for part, call in enumerate(replanning(size, layer)):
-                began = time.perf_counter()
+                began = time.process_time()
                 call(k) if part == 0 else call()
-                least[size][part] = min(least[size][part], time.perf_counter() - began)
+                least[size][part] = min(least[size][part], time.process_time() - began)
     for size in SIZES:
         window, plan = (1e3 * seconds for seconds in least[size])
         print(f"{size}x{size}: window {window:.2f} ms, plan {plan:.2f} ms")

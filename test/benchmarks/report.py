@@ -55,7 +55,7 @@ def figure(results: list[dict[str, Any]], file: Path) -> None:
         bold = {"linewidth": 2.5} if name in ("A2", "A3") else {"linewidth": 1.0}
         axes.loglog(*zip(*points, strict=True), marker="o", label=name, **bold)
     axes.set_xlabel("cells of the map")
-    axes.set_ylabel("median time of a search [ms]")
+    axes.set_ylabel("median processor time of a search [ms]")
     axes.grid(True, which="both", alpha=0.3)
     axes.legend()
     plt.savefig(file, dpi=110, bbox_inches="tight")
