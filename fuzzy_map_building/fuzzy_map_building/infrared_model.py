@@ -21,14 +21,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzy_map_building.boxes import put_box, window_of_boxes
 from fuzzy_map_building.evidence.protocols import LocalEvidence
 from fuzzy_map_building.grid import (
     GridGeometry,
     Window,
     cells_between,
     centre_along,
-    put_box,
-    window_of_boxes,
 )
 from fuzzy_map_building.infrared_packet import (
     CENTRE_X,

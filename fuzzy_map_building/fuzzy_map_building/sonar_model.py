@@ -14,6 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzy_map_building.boxes import put_box, window_of_boxes
 from fuzzy_map_building.cone_consistency import consistency, find_vetoes, greatest_rest
 from fuzzy_map_building.directivity import Lobe, lobe_at
 from fuzzy_map_building.evidence.protocols import LocalEvidence
@@ -23,9 +24,7 @@ from fuzzy_map_building.grid import (
     Window,
     cells_between,
     centre_along,
-    put_box,
     where_both,
-    window_of_boxes,
 )
 from fuzzy_map_building.jit import for_kernel, njit
 from fuzzy_map_building.params import (

@@ -10,8 +10,7 @@ Vendittelli, IEEE Trans. SMC-B 28(3), 1998.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,55 +21,12 @@ from fuzzy_navigation.any_angle import pulled_straight
 from fuzzy_navigation.clearance_layer import clearance_layer
 from fuzzy_navigation.kept_map import KeptMap, MapLike
 from fuzzy_navigation.params import PlannerParameters
-from fuzzy_navigation.plan_types import MAX_TOLERANCE, PlanResult, PlanStatus, RiskLayer
+from fuzzy_navigation.plan_request import PlanRequest
+from fuzzy_navigation.plan_types import PlanResult, PlanStatus, RiskLayer
 from fuzzy_navigation.planning_map import Query, Rungs
-from fuzzy_navigation.positions import position, positions
-from fuzzy_navigation.search import COSTS, SearchResult
+from fuzzy_navigation.search import SearchResult
 
-__all__ = ["MOST_BARRED", "MOST_HITS", "PlanResult", "PlanStatus", "Planner"]
-
-#: Most hit points, and most barred positions, of one request.
-MOST_HITS = 10_000
-MOST_BARRED = 100_000
-
-# Adjacency where neither request nor parameters say (section IV-A2).
-_ADJACENCY = {"g1": 8, "g2": 8, "g3": 4}
-# Decimals that survive a float32 message: an alpha of 0.7 must not arrive as 0.69999999.
-_DECIMALS = 6
-# Largest radius of a slimmer robot [m].
-_MAX_SLIM_RADIUS = 5.0
-
-
-@dataclass(frozen=True)
-class _Request:
-    """A request whose values have been checked and whose defaults are filled in."""
-
-    start: tuple[float, float]
-    heading: float
-    goal: tuple[float, float]
-    cost: str
-    rungs: Sequence[float]
-    adjacency: int
-    tolerance: float
-    layer: RiskLayer | None
-    barred: NDArray[np.int64]
-
-
-@dataclass(frozen=True)
-class _Slim:
-    """A slimmer robot, and the rung above which its path is wanted."""
-
-    radius: float
-    above: float
-
-    @classmethod
-    def checked(cls, radius: float, above: float) -> _Slim:
-        """Return it, or raise ValueError."""
-        if not 0.0 <= radius <= _MAX_SLIM_RADIUS:  # a NaN fails
-            raise ValueError(f"slim_radius must lie in [0, {_MAX_SLIM_RADIUS:g}] m, got {radius}")
-        if not 0.0 <= above <= 1.0:
-            raise ValueError(f"slim_above must lie in [0, 1], got {above}")
-        return cls(round(float(radius), _DECIMALS), round(float(above), _DECIMALS))
+__all__ = ["PlanResult", "PlanStatus", "Planner"]
 
 
 class Planner:
@@ -211,8 +167,10 @@ class Planner:
         PlanResult
         """
         try:
-            request = self._checked(start, goal, cost, alpha, adjacency, tolerance, barred, hits)
-            slim = _Slim.checked(slim_radius, slim_above)
+            request = PlanRequest.checked(
+                self._parameters, start, goal, cost, alpha, adjacency, tolerance, barred, hits,
+                slim_radius, slim_above, any_angle,
+            )  # fmt: skip
         except (TypeError, ValueError) as error:
             return PlanResult(PlanStatus.BAD_REQUEST, f"request refused: {error}")
         if not self._map.known:
@@ -226,46 +184,7 @@ class Planner:
         ):
             if not self.geometry.contains(*xy):
                 return PlanResult(status, self._outside(name, xy))
-        return self._climb(request, slim, any_angle)
-
-    def _checked(
-        self,
-        start: Pose2 | tuple[float, float],
-        goal: Pose2 | tuple[float, float],
-        cost: str | None,
-        alpha: float,
-        adjacency: int,
-        tolerance: float,
-        barred: ArrayLike,
-        hits: ArrayLike,
-    ) -> _Request:
-        """Return the request with its defaults filled in, or raise ValueError."""
-        p = self._parameters
-        start_xy, goal_xy = position(start, "start"), position(goal, "goal")
-        cost = p.cost if cost is None else cost
-        if cost not in COSTS:
-            raise ValueError(f"cost must be one of {', '.join(COSTS)}, got {cost!r}")
-        if not 0.0 <= alpha <= 1.0:
-            raise ValueError(f"alpha must lie in [0, 1], 0 for the ladder, got {alpha}")
-        alpha = round(float(alpha), _DECIMALS)
-        if adjacency not in (0, 4, 8):
-            raise ValueError(f"adjacency must be 0, 4 or 8, got {adjacency!r}")
-        if not 0.0 <= tolerance <= MAX_TOLERANCE:  # a NaN fails
-            raise ValueError(
-                f"tolerance must lie in [0, {MAX_TOLERANCE:g}] m, 0 for the parameter, "
-                f"got {tolerance}"
-            )
-        return _Request(
-            start=start_xy,
-            heading=start.theta if isinstance(start, Pose2) else 0.0,
-            goal=goal_xy,
-            cost=cost,
-            rungs=(alpha,) if alpha > 0.0 else p.alpha_ladder,
-            adjacency=int(adjacency) or p.adjacency or _ADJACENCY[cost],
-            tolerance=round(float(tolerance), _DECIMALS) or p.tolerance,
-            layer=self._layer(positions(hits, "hits", MOST_HITS)),
-            barred=self._cells(positions(barred, "barred", MOST_BARRED)),
-        )
+        return self._climb(request)
 
     def _cells(self, xy: NDArray[np.float64]) -> NDArray[np.int64]:
         """Return the cells of the positions that lie inside the map, shape (n, 2)."""
@@ -279,13 +198,14 @@ class Planner:
             return None
         return clearance_layer(self.geometry, hits, p.robot_radius, p.layer)
 
-    def _climb(self, request: _Request, slim: _Slim, any_angle: bool) -> PlanResult:
+    def _climb(self, request: PlanRequest) -> PlanResult:
         """Try rung after rung, and take the path of the first that does."""
         p = self._parameters
+        layer = self._layer(request.hits)
         query = Query(
             self.geometry.cell_of(*request.start),
             self._goal_cells(request.goal, request.tolerance),
-            request.barred,
+            self._cells(request.barred),
             request.cost,
             request.adjacency,
             p.epsilon,
@@ -293,7 +213,7 @@ class Planner:
             p.corner_cutting,
             p.least_risk,
         )
-        rungs = self._map.rungs(request.layer)
+        rungs = self._map.rungs(layer)
         found: dict[float, SearchResult | None] = {}
         tried, limit = request.rungs, math.inf
         if p.rung_choice == "cheapest":
@@ -314,7 +234,7 @@ class Planner:
         else:
             last = request.rungs[-1]
             goal_blocked = rungs.blocked(query, last)
-            message = _no_path(request, goal_blocked) + self._closed_by_request(request, query)
+            message = _no_path(request, goal_blocked) + self._closed_by_request(query, layer, last)
             return PlanResult(PlanStatus.NO_PATH, message, alpha=last)
         chosen: tuple[Rungs, float, SearchResult] = rungs, rung, result
         message = f"path of {len(result.path)} cells at alpha {rung:g}"
@@ -323,15 +243,15 @@ class Planner:
             message += (
                 f", {'a much dearer one' if dearer else 'none'} at alpha {request.rungs[0]:g}"
             )
-        if slim.radius > 0.0 and rung > slim.above:
-            slimmer = self._map.slimmer(slim.radius, request.layer)
+        if request.slim_radius > 0.0 and rung > request.slim_above:
+            slimmer = self._map.slimmer(request.slim_radius, layer)
             slim_path = slimmer.search(query, request.rungs[0])
             if slim_path is not None:
                 chosen = slimmer, request.rungs[0], slim_path
                 message += f"; instead that of a slimmer robot, of {len(slim_path.path)} cells"
         path = chosen[2].path
         places = path.astype(np.float64)
-        if any_angle and query.adjacency == 8 and query.cost != "g3":
+        if request.any_angle and query.adjacency == 8 and query.cost != "g3":
             path, places = _straight(chosen[0], query, chosen[1], path)
         return PlanResult(
             PlanStatus.FOUND,
@@ -343,19 +263,19 @@ class Planner:
             sum(result.expanded for result in found.values() if result is not None),
         )
 
-    def _closed_by_request(self, request: _Request, query: Query) -> str:
+    def _closed_by_request(self, query: Query, layer: RiskLayer | None, rung: float) -> str:
         """Say what of the request, not of the map, closes a way that the map has; else nothing."""
         hits, barred = "points that the robot's sensors hit", "cells that it was barred from"
         unbarred = replace(query, barred=query.barred[:0])
         tries: list[tuple[RiskLayer | None, Query, str]] = []
-        if request.layer is not None:
+        if layer is not None:
             tries.append((None, query, hits))
         if len(query.barred) > 0:
-            tries.append((request.layer, unbarred, barred))
+            tries.append((layer, unbarred, barred))
         if len(tries) == 2:
             tries.append((None, unbarred, f"{hits} and {barred}"))
-        for layer, tried, what in tries:
-            if self._map.rungs(layer).search(tried, request.rungs[-1]) is not None:
+        for laid, tried, what in tries:
+            if self._map.rungs(laid).search(tried, rung) is not None:
                 return f"; the map by itself has a path, which {what} close"
         return ""
 
@@ -406,7 +326,7 @@ def _straight(
     return cells + first, places + first
 
 
-def _no_path(request: _Request, goal_blocked: bool) -> str:
+def _no_path(request: PlanRequest, goal_blocked: bool) -> str:
     """Say why there is no path, and what can be done."""
     goal = f"({request.goal[0]:.2f}, {request.goal[1]:.2f}) m"
     alpha = request.rungs[-1]

@@ -22,7 +22,8 @@ from rclpy.parameter import Parameter
 from fuzzy_map_building.ros import names, qos
 from fuzzy_map_building.ros.conversions import path_from_msg
 from fuzzy_navigation.params import PlannerParameters, planner_parameters
-from fuzzy_navigation.planner import MOST_HITS, Planner, PlanStatus
+from fuzzy_navigation.plan_request import MOST_HITS
+from fuzzy_navigation.planner import Planner, PlanStatus
 from ros.harness import NodeProcess, Probe, wait_until
 from ros.planner_driver import GEOMETRY, GOAL, START, Driver, at, map_message, request, world
 

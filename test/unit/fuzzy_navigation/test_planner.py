@@ -11,7 +11,8 @@ from scipy import ndimage
 from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.types import Pose2
 from fuzzy_navigation.params import PAPER_PRESET, PlannerParameters, planner_parameters
-from fuzzy_navigation.planner import MOST_BARRED, MOST_HITS, Planner, PlanStatus
+from fuzzy_navigation.plan_request import MOST_BARRED, MOST_HITS
+from fuzzy_navigation.planner import Planner, PlanStatus
 from fuzzy_navigation.risk import path_risks
 
 GEOMETRY = GridGeometry(40, 30, 0.1, (-1.0, 2.0))
