@@ -77,10 +77,11 @@ class StampedBuffer(ABC, Generic[T]):
         self._stamps.append(stamp)
         self._values.append(value)
         # Dropped half by half, so that a sample costs constant time on average.
-        old = bisect.bisect_left(self._stamps, stamp - self._horizon)
-        if len(self._stamps) > MOST_SAMPLES:
-            old = max(old, len(self._stamps) // 2 + 1)
-        if 2 * old > len(self._stamps):
+        count, oldest = len(self._stamps), stamp - self._horizon
+        if count > MOST_SAMPLES or self._stamps[count // 2] < oldest:
+            old = bisect.bisect_left(self._stamps, oldest)
+            if count > MOST_SAMPLES:
+                old = max(old, count // 2 + 1)
             del self._stamps[:old], self._values[:old]
         return True
 

@@ -160,14 +160,14 @@ class ControlTicks:
                 f"the ring has infrared sensors 0 to {len(self._bearings) - 1}, got {sensor}"
             )
         _check_future(now, stamp, "infrared range")
-        if sensor in self._newest:
-            newest, _ = self._newest[sensor]
-            if stamp <= newest and not _begins_anew(now, self._range_came[sensor]):
-                raise _late(stamp, newest, "infrared range")
+        before = self._newest.get(sensor)
+        late = before is not None and stamp <= before[0]
+        if late and not _begins_anew(now, self._range_came[sensor]):
+            raise _late(stamp, self._newest[sensor][0], "infrared range")
         self._newest[sensor] = (stamp, distance)
         self._range_came[sensor] = now
         self._unused.add(sensor)
-        return self._due()
+        return self._due() if self._pending is not None else None
 
     def _due(self) -> Tick | None:
         if self._pending is None or len(self._newest) < len(self._bearings):

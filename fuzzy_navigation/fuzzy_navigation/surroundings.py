@@ -197,7 +197,7 @@ class Surroundings:
 
     def known(self, now: float) -> Points:
         """Return all hit points (x, y) [m] to keep clear of, shape (n, 2)."""
-        return np.vstack([self.seen(now), self.remembered])
+        return np.concatenate((self.seen(now), self.remembered))
 
     def near(self, now: float, pose: Pose2, without_progress: int = 0) -> Points:
         """Return the hit points (x, y) [m] that may have stopped the robot, shape (n, 2).

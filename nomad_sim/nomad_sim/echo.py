@@ -160,7 +160,8 @@ def echo_range(
                 if way < best:
                     best = way
                     found = True
-            if depth < reflections:
+            # Whatever comes by a mirror has come farther than to it.
+            if depth < reflections and d < best:
                 count = push_image(
                     beams,
                     count,
