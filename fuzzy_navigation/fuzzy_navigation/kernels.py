@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from fuzzy_map_building.jit import njit
 from fuzzy_navigation.cost_field import LAID
 
-__all__ = ["DIAGONAL", "STEPS", "STRAIGHT", "UNSEEN", "best_first", "trace"]
+__all__ = ["DIAGONAL", "MOST_CELLS", "STEPS", "STRAIGHT", "UNSEEN", "best_first", "trace"]
 
 #: Steps (rows, columns) to the adjacent cells: the straight ones first, so that the first four
 #: are 4-adjacency.
@@ -47,6 +47,8 @@ _CODE = 0x7F
 # Bits of an entry below the next of its chain.
 _LINK = 32
 _VISIT = 0xFFFFFFFF
+#: Most cells of a map, its border included: more have no room in an entry.
+MOST_CELLS = 1 << (_LINK - _STEP_BITS)
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

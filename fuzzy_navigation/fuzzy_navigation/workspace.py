@@ -144,8 +144,13 @@ class Workspace:
         return path, int(control[kernels.EXPANDED])
 
     def _fit(self, shape: tuple[int, ...]) -> None:
-        """Have room for the cells of a map."""
+        """Have room for the cells of a map, or raise ValueError."""
         if self._cost.shape != shape:
+            if shape[0] * shape[1] > kernels.MOST_CELLS:
+                raise ValueError(
+                    f"a map of {shape[0]} x {shape[1]} cells is too large to search; "
+                    f"at most {kernels.MOST_CELLS} cells can be"
+                )
             self._cost = np.full(shape, kernels.UNSEEN)
             cells = self._cost.size
             # A path enters each cell once.

@@ -278,6 +278,13 @@ def test_a_search_that_is_broken_off_leaves_nothing_behind(monkeypatch):
     assert again.path.tolist() == whole.path.tolist()
 
 
+def test_maps_beyond_what_an_entry_holds_are_refused(monkeypatch):
+    monkeypatch.setattr(kernels, "MOST_CELLS", 400)
+    assert find_path(np.zeros((18, 18)), (0, 0), (17, 17)).found
+    with pytest.raises(ValueError, match=r"22 x 20 cells is too large.*at most 400"):
+        find_path(np.zeros((20, 18)), (0, 0), (17, 17))
+
+
 def test_memory_of_a_search():
     """Bytes a cell beside the map: cost, label, and what the open cells need."""
     workspace = Workspace()
