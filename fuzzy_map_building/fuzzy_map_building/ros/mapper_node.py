@@ -19,6 +19,7 @@ from fuzzy_msgs.srv import MapFile
 from geometry_msgs.msg import PoseStamped
 from rclpy.clock import TimeJump
 from rclpy.node import Node
+from rclpy.subscription import Subscription
 from sensor_msgs.msg import JointState, Range
 from std_msgs.msg import Float64
 from std_srvs.srv import Trigger
@@ -37,6 +38,7 @@ from fuzzy_map_building.params import (
 )
 from fuzzy_map_building.perception import PerceptionSequence
 from fuzzy_map_building.ros import conversions, names, qos
+from fuzzy_map_building.ros.backlog import take_waiting
 from fuzzy_map_building.ros.build_map_server import BuildMapServer, FusedPacket
 from fuzzy_map_building.ros.clock import create_steady_timer, now_seconds, on_clock_set_back
 from fuzzy_map_building.ros.conversions import Refused
@@ -104,9 +106,12 @@ class MapperNode(Node):
             rejected=lambda: self._diagnostics.total(names.SONAR),
         )
         self.create_subscription(PoseStamped, names.POSE, self._on_pose, qos.RELIABLE)
-        self.create_subscription(Range, names.SONAR, self._on_sonar, qos.RANGES)
+        self._sonar = self.create_subscription(Range, names.SONAR, self._on_sonar, qos.RANGES)
+        self._infrared: Subscription | None = None
         if p.infrared_evidence.enabled:
-            self.create_subscription(Range, names.INFRARED, self._on_infrared, qos.RANGES)
+            self._infrared = self.create_subscription(
+                Range, names.INFRARED, self._on_infrared, qos.RANGES
+            )
         if p.turret.joint:
             self.create_subscription(
                 JointState, names.JOINT_STATES, self._on_joint_state, qos.JOINT_STATES
@@ -158,6 +163,12 @@ class MapperNode(Node):
         self._advance()
 
     def _on_sonar(self, message: Range) -> None:
+        self._take_sonar(message)
+        for waiting in take_waiting(self._sonar):
+            self._take_sonar(waiting)
+        self._advance()
+
+    def _take_sonar(self, message: Range) -> None:
         sonar = self._settings.values.sonar
         try:
             sample = conversions.range_from_msg(
@@ -167,9 +178,15 @@ class MapperNode(Node):
             self._diagnostics.reject(names.SONAR, refused.reason, str(refused))
             return
         self._assembler.add_range(sample.sensor, sample.stamp, sample.range, now_seconds(self))
-        self._advance()
 
     def _on_infrared(self, message: Range) -> None:
+        self._take_infrared(message)
+        if self._infrared is not None:
+            for waiting in take_waiting(self._infrared):
+                self._take_infrared(waiting)
+        self._advance()
+
+    def _take_infrared(self, message: Range) -> None:
         frames = self._settings.values.infrared.frame_ids
         try:
             sample = conversions.range_from_msg(message, frames, what=names.INFRARED)
@@ -177,7 +194,6 @@ class MapperNode(Node):
             self._diagnostics.reject(names.INFRARED, refused.reason, str(refused))
             return
         self._assembler.add_infrared(sample.sensor, sample.stamp, sample.range, now_seconds(self))
-        self._advance()
 
     def _on_clock_reset(self, jump: TimeJump) -> None:
         self._assembler.clear()

@@ -12,12 +12,12 @@ from sensor_msgs.msg import JointState, Range
 from fuzzy_map_building.packet import ReadingAssembler
 from fuzzy_map_building.params import MapperParameters
 from fuzzy_map_building.ros import names, qos
+from fuzzy_map_building.ros.backlog import take_waiting
 from fuzzy_map_building.ros.clock import now_seconds, on_clock_set_back
 from fuzzy_map_building.ros.conversions import Refused, joint_position, range_from_msg
 from fuzzy_map_building.ros.diagnostics import Diagnostics
 from fuzzy_map_building.types import Pose2, SonarReading
 from fuzzy_navigation.params import MotionParameters
-from fuzzy_navigation.ros.backlog import take_waiting
 from fuzzy_navigation.ros.faulty_ranges import usable
 
 __all__ = ["EchoListener"]

@@ -24,6 +24,7 @@ from sensor_msgs.msg import Range
 from fuzzy_map_building import sonar_guard
 from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.ros import names, qos
+from fuzzy_map_building.ros.backlog import take_waiting
 from fuzzy_map_building.ros.clock import create_steady_timer, now_seconds, seconds_from_stamp
 from fuzzy_map_building.ros.conversions import (
     Refused,
@@ -49,7 +50,6 @@ from fuzzy_navigation.params import MOTION_PRESETS, MotionParameters, motion_par
 from fuzzy_navigation.planner import PlanResult
 from fuzzy_navigation.pose_time import PoseTime
 from fuzzy_navigation.risk import check_effort
-from fuzzy_navigation.ros.backlog import take_waiting
 from fuzzy_navigation.ros.echo_listener import EchoListener
 from fuzzy_navigation.ros.faulty_ranges import usable
 from fuzzy_navigation.ros.followed_map import FollowedMap, NewMap, NewWindow
