@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -37,6 +38,8 @@ __all__ = [
 #: Cost of a diagonal step in straight steps.
 DIAGONALS = {"unit": 1.0, "sqrt2": math.sqrt(2.0)}
 
+# Side of the squares that a map is augmented in [cells].
+_TILE = 1024
 #: Most cells times rectangles of the footprint that a map is augmented with: some 20 s.
 MOST_EFFORT = 1e9
 
@@ -174,12 +177,24 @@ class Footprint:
         window : Window
             The cells.
         """
-        seen = self.grown(window, values.shape)
-        # What is near an inner side of the part seen is wrong, and not in the window.
-        out: NDArray[N] = self.largest(values[seen.slices], outside)[
-            window.row0 - seen.row0 : window.row1 - seen.row0,
-            window.col0 - seen.col0 : window.col1 - seen.col0,
-        ]
+        out = np.empty(window.shape, values.dtype)
+        for tile in _tiles(window):
+            seen = self.grown(tile, values.shape)
+            part = values[seen.slices]
+            inside = seen.shape == tuple(n + 2 * self.reach for n in tile.shape)
+            alike = (inside or part[0, 0] == outside) and bool((part == part[0, 0]).all())
+            # What is near an inner side of the part seen is wrong, and not in the tile.
+            row, column = tile.row0 - seen.row0, tile.col0 - seen.col0
+            out[
+                tile.row0 - window.row0 : tile.row1 - window.row0,
+                tile.col0 - window.col0 : tile.col1 - window.col0,
+            ] = (
+                part[0, 0]
+                if alike  # as most of a large map is that nobody has seen yet
+                else self.largest(part, outside)[
+                    row : row + tile.shape[0], column : column + tile.shape[1]
+                ]
+            )
         return out
 
     @property
@@ -205,6 +220,18 @@ class Footprint:
         )
         out: NDArray[N] = functools.reduce(np.maximum, filtered)
         return out
+
+
+def _tiles(window: Window) -> Iterator[Window]:
+    """Yield windows of bounded size that cover a window."""
+    for row in range(window.row0, window.row1, _TILE):
+        for column in range(window.col0, window.col1, _TILE):
+            yield Window(
+                row,
+                min(row + _TILE, window.row1),
+                column,
+                min(column + _TILE, window.col1),
+            )
 
 
 def check_effort(geometry: GridGeometry, radius: float, shape: str) -> None:

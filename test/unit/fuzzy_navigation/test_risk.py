@@ -7,7 +7,18 @@ import math
 import numpy as np
 import pytest
 
-from fuzzy_navigation.risk import alpha_cut, augment, beta_cut, checked_risk, path_risks
+from fuzzy_map_building.grid import GridGeometry, Window
+from fuzzy_navigation import risk as risk_module
+from fuzzy_navigation.risk import (
+    Footprint,
+    alpha_cut,
+    augment,
+    beta_cut,
+    changed_window,
+    check_effort,
+    checked_risk,
+    path_risks,
+)
 
 
 def augment_by_loops(risk, radius, resolution, shape):
@@ -127,3 +138,42 @@ def test_path_risks_refuses_bad_input():
         path_risks(np.ones((2, 2)), np.empty((0, 2), dtype=np.int64))
     with pytest.raises(ValueError, match=r"unit, sqrt2.*cubic"):
         path_risks(np.ones((2, 2)), np.array([[0, 0]]), "cubic")
+
+
+@pytest.mark.parametrize("shape", ["square", "disc"])
+@pytest.mark.parametrize("tile", [1, 7, 1024])
+def test_a_part_of_the_augmented_map_is_that_of_the_whole(
+    monkeypatch: pytest.MonkeyPatch, shape: str, tile: int
+) -> None:
+    monkeypatch.setattr(risk_module, "_TILE", tile)
+    rng = np.random.default_rng(6)
+    values = np.full((31, 40), 20, np.int8)
+    values[3:12, 5:9] = rng.integers(0, 101, (9, 4))
+    values[18:25, :8] = 100
+    footprint = Footprint.of(0.23, 0.1, shape, values.shape)
+    whole = footprint.largest(values, np.int8(100))
+    for window in (Window(0, 31, 0, 40), Window(4, 9, 6, 7), Window(20, 31, 30, 40)):
+        part = footprint.largest_in(values, np.int8(100), window)
+        np.testing.assert_array_equal(part, whole[window.slices])
+
+
+def test_the_window_of_a_change_is_the_smallest_that_holds_every_cell_that_differs() -> None:
+    rng = np.random.default_rng(3)
+    before = rng.integers(0, 101, (9, 14)).astype(np.int8)
+    assert changed_window(before, before.copy()).empty
+    for _ in range(40):
+        after = before.copy()
+        cells = {tuple(c) for c in rng.integers(0, before.shape, (rng.integers(1, 4), 2)).tolist()}
+        for cell in cells:
+            after[cell] = (after[cell] + 1) % 101
+        rows, columns = zip(*cells, strict=True)
+        expected = Window(min(rows), max(rows) + 1, min(columns), max(columns) + 1)
+        assert changed_window(before, after) == expected
+
+
+def test_a_map_that_is_too_fine_for_its_size_is_refused() -> None:
+    check_effort(GridGeometry(4000, 4000, 0.1), 0.23, "disc")
+    check_effort(GridGeometry(8000, 8000, 0.02), 0.23, "disc")
+    check_effort(GridGeometry(8000, 8000, 0.001), 0.23, "square")  # one pass, however wide
+    with pytest.raises(ValueError, match=r"8000 x 8000 cells of 0.001 m is too fine .*larger"):
+        check_effort(GridGeometry(8000, 8000, 0.001), 0.23, "disc")
