@@ -250,11 +250,11 @@ class Mission(MissionState):
         return tuple(self._judged(verdicts.no_plan(plan, self._record)))
 
     def on_plan_error(self, now: float, request: int, message: str) -> Commands:
-        """Take note that no answer comes from the planner."""
+        """Take note that no answer that can be used comes from the planner."""
         self._advance(now)
         if not self._awaits(State.PLANNING, request):
             return ()
-        return tuple(self._failed_once("the planner did not answer", message))
+        return tuple(self._failed_once("no usable plan", message))
 
     def _advance(self, now: float) -> None:
         if self._time.advance(now):

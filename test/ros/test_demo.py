@@ -145,10 +145,26 @@ def test_a_wrong_verdict_is_no_success(
     demo: Callable[..., NodeProcess], room: Path, tmp_path: Path
 ) -> None:
     room.write_text(ROOM.format(expected="unreachable"))
-    process = demo("--world", room, "--no-lockstep", "--rate", 1)
+    params = tmp_path / "paper.yaml"
+    params.write_text("/**: {ros__parameters: {preset: oriolo1998}}")
+    process = demo("--world", room, "--no-lockstep", "--rate", 1, "--params-file", params)
     assert process.wait(LONG) == 1, process.output()
     assert "REACHED (true: unreachable)" in process.output()
-    assert json.loads((tmp_path / "out" / "summary.json").read_text())["success"] is False
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["success"] is False
+    # What a section for all nodes says counts, and the simulator, which has no presets, runs.
+    used = summary["parameters"]
+    assert {name: p.get("preset") for name, p in used.items()} == {
+        "nomad_sim": None,
+        "fuzzy_mapper": "oriolo1998",
+        "fuzzy_planner": "oriolo1998",
+        "fuzzy_motion": "oriolo1998",
+    }
+    assert used["fuzzy_motion"]["layer.enabled"] is used["fuzzy_planner"]["layer.enabled"] is False
+    assert (
+        "there are no presets here: 'oriolo1998' is not used"
+        in (tmp_path / "out" / "logs" / "sim.log").read_text()
+    )
 
 
 def test_no_verdict_in_time_is_no_success(

@@ -128,10 +128,14 @@ def test_a_perception_takes_a_sweep_at_each_stand(bench: InfraredBench) -> None:
             for sensor in range(16):
                 bench.infrared(between, sensor, 0.4)
                 bench.range(between, sensor, 1.0)
+            bench.infrared(between, 99, 0.4)
             return result.done() or wanted in taken
 
         wait_until(all_taken, f"the readings of stand {stage}", step=0.2)
-    assert bench.probe.result_of(result).result.readings == 48
+    built = bench.probe.result_of(result).result
+    assert (built.readings, built.rejected) == (48, 0)
+    assert built.infrared_readings >= 48  # and the sweep of where it came from
+    assert built.infrared_rejected >= 1  # what no known sensor sent
     expected = core()
     pose = Pose2(2.0, 3.0)
     bearings = PARAMETERS.sonar.bearings

@@ -255,6 +255,25 @@ def test_what_the_planner_answers_is_heeded(
     assert all(v == w == 0.0 for _, v, w in scene.robot.commands)
 
 
+def test_a_planner_with_other_parameters_is_refused_and_told_of(scene: Scene) -> None:
+    scene.planner.changes = {"parameters": ["robot_radius=0.2", "layer.enabled=false"]}
+    result = scene.result(scene.send(goal_at(2.0, 2.0))).result
+    assert result.outcome == RESULT.FAILED
+    difference = (
+        "planner and motion do not agree: robot_radius is 0.2 in the planner and 0.23 in the "
+        "motion, layer.enabled is false in the planner and true in the motion"
+    )
+    assert difference in result.message
+    assert all(v == w == 0.0 for _, v, w in scene.robot.commands)
+    scene.problem(difference)
+    assert scene.values()["rejected.plan_path.other_parameters"] == "2"  # as many as attempts
+    # One that agrees is followed, whatever else it tells, and nothing is said any more.
+    scene.planner.changes = {"parameters": ["robot_radius=0.23", "of_another_kind"]}
+    assert scene.result(scene.send(goal_at(2.0, 1.05))).result.outcome == RESULT.REACHED
+    scene.diagnostics.clear()
+    scene.diagnostics.wait_for(lambda array: "do not agree" not in array.status[0].message)
+
+
 @pytest.mark.parametrize("source", ["pose", "infrared"])
 def test_silence_makes_the_robot_stand_until_it_ends(scene: Scene, source: str) -> None:
     handle = scene.go(3.5, 2.5)

@@ -21,6 +21,7 @@ from rclpy.parameter import Parameter
 
 from fuzzy_map_building.ros import names, qos
 from fuzzy_map_building.ros.conversions import path_from_msg
+from fuzzy_navigation.agreement import shared_parameters
 from fuzzy_navigation.params import PlannerParameters, planner_parameters
 from fuzzy_navigation.plan_request import MOST_HITS
 from fuzzy_navigation.planner import Planner, PlanStatus
@@ -111,6 +112,7 @@ def test_plan_path_answers_what_the_core_answers(planner: Driver) -> None:
         assert (response.g1, response.g2, response.g3) == (expected.g1, expected.g2, expected.g3)
         assert response.alpha == pytest.approx(expected.alpha, abs=1e-6)
         assert response.expanded_cells == expected.expanded
+        assert tuple(response.parameters) == shared_parameters(PlannerParameters())
         assert 0.0 < response.planning_time < 10.0
         poses = path_from_msg(response.path)
         assert [(p.x, p.y) for p in poses] == [(p.x, p.y) for p in expected.poses]

@@ -43,12 +43,15 @@ class FusedPacket:
         Its serial number since the map was last empty.
     accepted : int
         Sonar readings fused; 0: the map is as it was.
+    infrared : int
+        Infrared readings fused besides.
     problem : str
         Why nothing was fused; empty when something was.
     """
 
     perception: int
     accepted: int
+    infrared: int
     problem: str
 
 
@@ -61,7 +64,7 @@ class _Goal:
     outcome: Future
     start: float
     patience: PatientTime
-    rejected_before: int
+    rejected_before: tuple[int, int]
     reported: int = -1
 
 
@@ -79,7 +82,7 @@ class BuildMapServer:
     fuse : callable
         Fuses a packet and publishes the maps.
     rejected : callable
-        Returns how many readings were refused so far.
+        Returns how many sonar and how many infrared readings were refused so far.
     """
 
     def __init__(
@@ -88,7 +91,7 @@ class BuildMapServer:
         new_sequence: Callable[[], PerceptionSequence],
         command_turret: Callable[[float], None],
         fuse: Callable[[Sequence[RangeReading]], FusedPacket],
-        rejected: Callable[[], int],
+        rejected: Callable[[], tuple[int, int]],
     ) -> None:
         self._node = node
         self._new_sequence = new_sequence
@@ -131,8 +134,7 @@ class BuildMapServer:
             return
         if goal.handle.is_cancel_requested:
             self._node.get_logger().info("perception canceled; the map is as it was")
-            result = BuildMap.Result(message="the client canceled it; the map is as it was")
-            self._end(goal, goal.handle.canceled, result)
+            self._end(goal, goal.handle.canceled, "the client canceled it; the map is as it was")
             return
         angle = goal.sequence.step(now, goal.patience.read(now))
         if angle is not None:
@@ -155,7 +157,7 @@ class BuildMapServer:
             return
         self.failure = reason
         self._node.get_logger().error(f"perception failed: {reason}")
-        self._end(goal, goal.handle.abort, BuildMap.Result(message=reason))
+        self._end(goal, goal.handle.abort, reason)
 
     def _on_goal(self, _: BuildMap.Goal) -> GoalResponse:
         if self._goal is None:
@@ -188,22 +190,37 @@ class BuildMapServer:
             self.abort(packet.problem)
             return
         self.failure = ""
-        result = BuildMap.Result(
+        fused = BuildMap.Result(
             perception=packet.perception,
             readings=packet.accepted,
-            rejected=self._rejected() - goal.rejected_before,
+            infrared_readings=packet.infrared,
             duration=now - goal.start,
         )
+        result = self._end(goal, goal.handle.succeed, "", fused)
         self._node.get_logger().info(
             f"perception {result.perception}: {result.readings} of {goal.sequence.expected} "
-            f"readings fused, {result.rejected} rejected, {result.duration:.1f} s"
+            f"readings fused, {result.rejected} rejected, {result.infrared_readings} of infrareds "
+            f"fused, {result.infrared_rejected} rejected, {result.duration:.1f} s"
         )
-        self._end(goal, goal.handle.succeed, result)
 
-    def _end(self, goal: _Goal, transition: Callable[[], None], result: BuildMap.Result) -> None:
+    def _end(
+        self,
+        goal: _Goal,
+        transition: Callable[[], None],
+        message: str,
+        result: BuildMap.Result | None = None,
+    ) -> BuildMap.Result:
+        """End a perception, with the count of what was refused since it began."""
+        result = BuildMap.Result() if result is None else result
+        result.message = message
+        result.rejected, result.infrared_rejected = (
+            now - before
+            for now, before in zip(self._rejected(), goal.rejected_before, strict=True)
+        )
         self._goal = None
         transition()
         goal.outcome.set_result(result)
+        return result
 
     def _report(self, goal: _Goal) -> None:
         taken = len(goal.sequence.readings)

@@ -103,7 +103,10 @@ class MapperNode(Node):
             new_sequence=lambda: PerceptionSequence(self._settings.values),
             command_turret=self._command_turret,
             fuse=self._fuse,
-            rejected=lambda: self._diagnostics.total(names.SONAR),
+            rejected=lambda: (
+                self._diagnostics.total(names.SONAR),
+                self._diagnostics.total(names.INFRARED),
+            ),
         )
         self.create_subscription(PoseStamped, names.POSE, self._on_pose, qos.RELIABLE)
         self._sonar = self.create_subscription(Range, names.SONAR, self._on_sonar, qos.RANGES)
@@ -261,10 +264,13 @@ class MapperNode(Node):
                 self._continuous.forget()  # what it had begun with is of another time
             newest = max(reading.stamp for reading in readings)
             self._maps.publish(self._mapper, newest, report.window)
-            return FusedPacket(self._mapper.perceptions, report.accepted, "")
+            return FusedPacket(
+                self._mapper.perceptions, report.accepted, report.infrared_accepted, ""
+            )
         reasons = ", ".join(f"{n} {reason}" for reason, n in sorted(report.rejected.items()))
         return FusedPacket(
             self._mapper.perceptions,
+            0,
             0,
             f"none of {len(readings)} readings gave evidence ({reasons})",
         )

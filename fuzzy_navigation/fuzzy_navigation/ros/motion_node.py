@@ -36,6 +36,7 @@ from fuzzy_map_building.ros.diagnostics import Diagnostics
 from fuzzy_map_building.ros.parameters import declare_parameters
 from fuzzy_map_building.ros.run import spin_node
 from fuzzy_navigation import clearance_layer
+from fuzzy_navigation.agreement import shared_parameters
 from fuzzy_navigation.concurrent_mission import mission_of
 from fuzzy_navigation.control_tick import SILENCE, ControlTicks, Tick, Untimely
 from fuzzy_navigation.mission_types import (
@@ -87,6 +88,7 @@ class MotionNode(Node):
         self._ticks = ControlTicks(parameters.infrared.bearings, parameters.timeout.pose)
         self._time = PoseTime()
         self._mission = mission_of(parameters)
+        self._shared = shared_parameters(parameters)
         self._stale_parameters = False
         self._map: tuple[GridGeometry, float] | None = None  # and its stamp [s]
         self._last_tick = -math.inf
@@ -102,7 +104,9 @@ class MotionNode(Node):
         self._settings.on_refusal = self._diagnostics.reject
         self._cmd_vel = self.create_publisher(Twist, names.CMD_VEL, qos.RELIABLE)
         self._mapper = MapperClient(self, self._on_perception)
-        self._planner = PlannerClient(self, self._on_plan, self._on_plan_error)
+        self._planner = PlannerClient(
+            self, self._on_plan, self._on_plan_error, lambda: self._shared
+        )
         self._server = NavigateServer(self, self._begin, self._cancel)
         self._infrared = self.create_subscription(
             Range, names.INFRARED, self._on_infrared, qos.RANGES
@@ -200,6 +204,8 @@ class MotionNode(Node):
         self._carry_out(self._mission.on_plan(self._now(), request, plan))
 
     def _on_plan_error(self, request: int, message: str) -> None:
+        if self._planner.disagreement:
+            self._diagnostics.reject(names.PLAN_PATH, "other_parameters", message)
         self._carry_out(self._mission.on_plan_error(self._now(), request, message))
 
     def _watch(self) -> None:
@@ -301,6 +307,7 @@ class MotionNode(Node):
         known = self._mission.motion_map
         self._mission = mission_of(self._settings.values)
         self._ticks.max_age = self._settings.values.timeout.pose
+        self._shared = shared_parameters(self._settings.values)
         self._listen(self._settings.values)
         self._missions_before = self._missions
         if self._map is not None and known is not None:
@@ -353,7 +360,7 @@ class MotionNode(Node):
             return self._mission.advice
         if time.monotonic() - self._last_tick > SILENCE:
             return f"nothing comes by '{names.POSE}': no goal can be served"
-        return ""
+        return self._planner.disagreement
 
     def _now(self) -> float:
         """Return the mission's time [s]."""

@@ -15,7 +15,7 @@ request.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Final
 
@@ -32,6 +32,7 @@ from rclpy.task import Future
 from fuzzy_map_building.ros import names
 from fuzzy_map_building.ros.clock import seconds_from_stamp
 from fuzzy_map_building.ros.conversions import path_from_msg, pose_to_msg
+from fuzzy_navigation.agreement import disagreement
 from fuzzy_navigation.mission_types import Plan
 from fuzzy_navigation.planner import PlanResult, PlanStatus
 
@@ -172,6 +173,13 @@ class PlannerClient:
         ``on_plan(request, plan)``, called at most once for each request.
     on_error : callable
         ``on_error(request, message)``, called instead when there is no usable answer.
+    parameters : callable
+        Returns the parameters that the planner has to agree on, as `shared_parameters` does.
+
+    Attributes
+    ----------
+    disagreement : str
+        In what the planner's last answer did not agree; empty when it did.
     """
 
     def __init__(
@@ -179,7 +187,10 @@ class PlannerClient:
         node: Node,
         on_plan: Callable[[int, PlanResult], None],
         on_error: Callable[[int, str], None],
+        parameters: Callable[[], Sequence[str]],
     ) -> None:
+        self.disagreement = ""
+        self._parameters = parameters
         self._client = node.create_client(PlanPath, names.PLAN_PATH)
         self._renewal = _Renewal(node, names.PLAN)
         self._on_plan = on_plan
@@ -252,6 +263,10 @@ class PlannerClient:
             return
         self._future = None
         response = future.result()
+        self.disagreement = disagreement(self._parameters(), response.parameters)
+        if self.disagreement:
+            self._error(self.disagreement)
+            return
         stamp = seconds_from_stamp(response.path.header.stamp)
         if stamp < self._map_stamp:
             if time.monotonic() > self._deadline:

@@ -29,6 +29,7 @@ from fuzzy_map_building.ros.conversions import Refused, path_to_msg
 from fuzzy_map_building.ros.diagnostics import Diagnostics
 from fuzzy_map_building.ros.parameters import declare_parameters
 from fuzzy_map_building.ros.run import spin_node
+from fuzzy_navigation.agreement import shared_parameters
 from fuzzy_navigation.params import PLANNER_PRESETS, PlannerParameters, planner_parameters
 from fuzzy_navigation.planner import Planner, PlanResult, PlanStatus
 from fuzzy_navigation.risk import check_effort
@@ -124,6 +125,7 @@ class PlannerNode(Node):
         response.alpha = result.alpha
         response.expanded_cells = result.expanded
         response.planning_time = self._last_time = time.perf_counter() - began
+        response.parameters = shared_parameters(self._settings.values)
         return response
 
     def _on_get_plan(

@@ -18,6 +18,7 @@ from typing import Final
 
 from fuzzy_map_building.parameter_schema import describe
 from fuzzy_map_building.params import MapperParameters
+from fuzzy_map_building.ros.parameters import PRESET
 from fuzzy_map_building.ros.run import EXIT_REFUSED, StopRequest, stop_on_signals
 from fuzzy_navigation.concurrent_mission import SETTINGS
 from fuzzy_navigation.params import MotionParameters, PlannerParameters
@@ -104,6 +105,8 @@ def _run(options: DemoOptions, stop: StopRequest) -> tuple[MissionRecord, str, d
     logs = options.output / "logs"
     logs.mkdir(exist_ok=True)
     wanted = {NODES[name]: list(describe(kind)) for name, kind in PARAMETERS.items()}
+    for name in ("mapper", "planner", "motion"):
+        wanted[NODES[name]].append(PRESET)
     with ExitStack() as stack:
         domain = stack.enter_context(reserved_domain(options.domain))
         environment = child_environment(ROS_DOMAIN_ID=str(domain), ROS_LOG_DIR=str(logs.resolve()))
