@@ -108,12 +108,7 @@ class MotionNode(Node):
             self, self._on_plan, self._on_plan_error, lambda: self._shared
         )
         self._server = NavigateServer(self, self._begin, self._cancel)
-        self._infrared = self.create_subscription(
-            Range, names.INFRARED, self._on_infrared, qos.RANGES
-        )
-        self._echoes: EchoListener | None = None
-        self._listen(parameters)
-        self.create_subscription(PoseStamped, names.POSE, self._on_pose, qos.RELIABLE)
+        # Before the ranges: of what is there the executor serves these first.
         self._followed = FollowedMap(
             self,
             names.MOTION_MAP,
@@ -123,6 +118,12 @@ class MotionNode(Node):
             self._on_map,
             self._on_window,
         )
+        self._infrared = self.create_subscription(
+            Range, names.INFRARED, self._on_infrared, qos.RANGES
+        )
+        self._echoes: EchoListener | None = None
+        self._listen(parameters)
+        self.create_subscription(PoseStamped, names.POSE, self._on_pose, qos.RELIABLE)
         self.create_subscription(PoseStamped, names.GOAL_POSE, self._on_goal_pose, qos.RELIABLE)
         create_steady_timer(self, WATCH_PERIOD, self._watch)
 
