@@ -224,6 +224,20 @@ def hundredths(
     return codes
 
 
+def counted(codes: NDArray[np.int8]) -> NDArray[np.int64]:
+    """Return how many cells have each of the hundredths, shape (101,).
+
+    Parameters
+    ----------
+    codes : ndarray of int8, shape (rows, columns)
+        0 to 100. Counting takes nine times the memory of the cells that are counted at a time.
+    """
+    out = np.zeros(len(HUNDREDTHS), np.int64)
+    for rows in _blocks(codes):
+        out += np.bincount(codes[rows].reshape(-1), minlength=len(out))
+    return out
+
+
 def _exact(
     risk: NDArray[np.float64], admissible: NDArray[np.bool_], epsilon: float
 ) -> tuple[NDArray[np.float64], float]:

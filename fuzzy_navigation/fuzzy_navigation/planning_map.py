@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy_map_building.grid import Window
-from fuzzy_navigation.cost_field import HUNDREDTHS, LAID, NO_ENTRY, CostField, coded_costs
+from fuzzy_navigation.cost_field import HUNDREDTHS, LAID, NO_ENTRY, CostField, coded_costs, counted
 from fuzzy_navigation.plan_types import RiskLayer
 from fuzzy_navigation.risk import (
     Footprint,
@@ -39,8 +39,6 @@ _START = NO_ENTRY - 1
 #: look at the whole map, whether the goal can be reached at all.
 PATIENCE = 4096
 _WORTH_A_LOOK = 1 / 16
-# Cells that are counted at a time: counting takes nine times their memory.
-_COUNTED = 1 << 16
 
 Cells = NDArray[np.int64]
 
@@ -425,13 +423,7 @@ class PlanningMap:
             self._inner[rows, columns] = before
 
     def _histogram(self, window: Window) -> NDArray[np.int64]:
-        """Return how many of a window's cells have each augmented risk."""
-        cells = self._inner[window.slices]
-        out = np.zeros(len(HUNDREDTHS), np.int64)
-        rows = max(1, _COUNTED // cells.shape[1])
-        for row in range(0, len(cells), rows):
-            out += np.bincount(cells[row : row + rows].reshape(-1), minlength=len(out))
-        return out
+        return counted(self._inner[window.slices])
 
     def _augment(self, window: Window) -> None:
         """Make the augmented map of a window anew."""
