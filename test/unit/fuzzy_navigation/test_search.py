@@ -324,3 +324,12 @@ def test_on_even_ground_cells_that_are_expanded_again_do_not_end_the_search(shap
     assert found.found
     low, high = sorted((goal[0] - 3, goal[1] - 3))
     assert found.g2 == pytest.approx(0.04 * (1.0 + high - low + math.sqrt(2.0) * low))
+
+
+@pytest.mark.parametrize("diagonal", ["unit", "sqrt2"])
+@pytest.mark.parametrize("epsilon", [0.001, 0.01, 0.2])
+def test_few_cells_are_expanded_twice_whatever_the_range_of_costs(epsilon, diagonal):
+    risk = np.where(np.random.default_rng(3).random((200, 200)) < 0.4, 0.55, 0.0)
+    found = find_path(risk, (0, 0), (199, 199), "g2", epsilon=epsilon, diagonal=diagonal)
+    assert found.found
+    assert found.expanded <= 1.2 * risk.size
