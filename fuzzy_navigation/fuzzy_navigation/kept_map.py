@@ -12,10 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 from fuzzy_map_building.grid import GridGeometry, Window
 from fuzzy_map_building.occupancy import Hundredths
 from fuzzy_navigation.cost_field import hundredths
+from fuzzy_navigation.layered_map import LayeredMap
 from fuzzy_navigation.params import PlannerParameters
 from fuzzy_navigation.plan_types import RiskLayer
-from fuzzy_navigation.planning_map import LayeredMap, PlanningMap, Rungs
+from fuzzy_navigation.planning_map import PlanningMap
 from fuzzy_navigation.risk import Footprint, augment, checked_risk, real_numbers
+from fuzzy_navigation.rungs import Rungs
 from fuzzy_navigation.workspace import Workspace
 
 __all__ = ["KeptMap", "MapLike"]

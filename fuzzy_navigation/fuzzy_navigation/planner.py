@@ -23,7 +23,7 @@ from fuzzy_navigation.kept_map import KeptMap, MapLike
 from fuzzy_navigation.params import PlannerParameters
 from fuzzy_navigation.plan_request import PlanRequest
 from fuzzy_navigation.plan_types import PlanResult, PlanStatus, RiskLayer
-from fuzzy_navigation.planning_map import Query, Rungs
+from fuzzy_navigation.rungs import Query, Rungs
 from fuzzy_navigation.search import SearchResult
 
 __all__ = ["PlanResult", "PlanStatus", "Planner"]

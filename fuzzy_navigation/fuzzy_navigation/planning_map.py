@@ -13,7 +13,6 @@ import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,13 +24,13 @@ from fuzzy_navigation.risk import (
     Footprint,
     changed_window,
     diagonal_factor,
-    path_risks,
     risks_of_path,
 )
-from fuzzy_navigation.search import SearchResult, admissible_cells, find_path, first_reachable
+from fuzzy_navigation.rungs import Cells, Query, Rungs
+from fuzzy_navigation.search import SearchResult, first_reachable
 from fuzzy_navigation.workspace import Workspace
 
-__all__ = ["LayeredMap", "PlanningMap", "Query", "Rungs"]
+__all__ = ["PlanningMap"]
 
 # Code of the start's cell, which may be entered whatever its risk.
 _START = NO_ENTRY - 1
@@ -39,152 +38,6 @@ _START = NO_ENTRY - 1
 #: look at the whole map, whether the goal can be reached at all.
 PATIENCE = 4096
 _WORTH_A_LOOK = 1 / 16
-
-Cells = NDArray[np.int64]
-
-
-@dataclass(frozen=True)
-class Query:
-    """What a path is asked to be, on every rung.
-
-    Parameters
-    ----------
-    start : tuple of int
-        (row, column), admissible whatever its risk.
-    ends : ndarray of int64, shape (n, 2)
-        Cells where the path may end, in the order of preference.
-    barred : ndarray of int64, shape (m, 2)
-        Cells that the path must not enter.
-    cost, adjacency, epsilon, diagonal, corner_cutting
-        As `search.find_path` takes them.
-    least_risk : float
-        Risk that every cell costs at least.
-    """
-
-    start: tuple[int, int]
-    ends: Cells
-    barred: Cells
-    cost: str
-    adjacency: int
-    epsilon: float
-    diagonal: str
-    corner_cutting: bool
-    least_risk: float = 0.0
-
-
-class Rungs(Protocol):
-    """What the planner climbs: admissible cells, rung by rung."""
-
-    def search(self, query: Query, rung: float) -> SearchResult | None:
-        """Return a path of least cost to the first end that can be reached, None if none can.
-
-        Parameters
-        ----------
-        query : Query
-            What is asked.
-        rung : float
-            Largest risk of an admissible cell.
-        """
-
-    def blocked(self, query: Query, rung: float) -> bool:
-        """Whether no end is admissible, be it reachable or not."""
-
-    def risks(self, query: Query, path: Cells) -> tuple[float, float, float]:
-        """Return the costs g1, g2, g3 of a path on the augmented map."""
-
-    def weights(self, query: Query, rung: float, window: Window) -> NDArray[np.float64]:
-        """Return what it costs to enter each cell of a window that holds the start.
-
-        Infinite where no path may; a constant factor apart, which is the same for all cells.
-        """
-
-
-class LayeredMap:
-    """An augmented map as it is, with what one request lays over it.
-
-    Parameters
-    ----------
-    risk : ndarray of float64, shape (H, W)
-        The augmented map.
-    layer : RiskLayer, optional
-        Risks that come on top.
-    barred : ndarray of bool, shape (H, W), optional
-        Cells that no path may enter, beside those of the query.
-    workspace : Workspace
-        Arrays to search in.
-    """
-
-    def __init__(
-        self,
-        risk: NDArray[np.float64],
-        layer: RiskLayer | None,
-        barred: NDArray[np.bool_] | None,
-        workspace: Workspace,
-    ) -> None:
-        self._risk = self._cut = self._paid = risk
-        if layer is not None:
-            rows, columns = layer.cells.T
-            self._cut, self._paid = risk.copy(), risk.copy()
-            self._cut[rows, columns] = np.maximum(risk[rows, columns], layer.cut)
-            self._paid[rows, columns] = np.maximum(risk[rows, columns], layer.cost)
-        self._barred = barred
-        self._workspace = workspace
-
-    def search(self, query: Query, rung: float) -> SearchResult | None:
-        """See `Rungs`."""
-        admissible = self._admissible(query, rung)
-        end = first_reachable(
-            admissible, query.start, query.ends, query.adjacency, query.corner_cutting
-        )
-        if end is None:
-            return None
-        return find_path(
-            self._paid if query.least_risk == 0.0 else np.maximum(self._paid, query.least_risk),
-            query.start,
-            end,
-            query.cost,
-            rung,
-            query.adjacency,
-            epsilon=query.epsilon,
-            diagonal=query.diagonal,
-            corner_cutting=query.corner_cutting,
-            cut=self._cut,
-            barred=self._bars(query),
-            workspace=self._workspace,
-        )
-
-    def blocked(self, query: Query, rung: float) -> bool:
-        """See `Rungs`."""
-        return not self._admissible(query, rung)[query.ends[:, 0], query.ends[:, 1]].any()
-
-    def risks(self, query: Query, path: Cells) -> tuple[float, float, float]:
-        """See `Rungs`."""
-        return path_risks(self._risk, path, query.diagonal, query.epsilon)
-
-    def weights(self, query: Query, rung: float, window: Window) -> NDArray[np.float64]:
-        """See `Rungs`."""
-        mu = np.maximum(self._paid[window.slices], query.least_risk) + query.epsilon
-        weights = mu * mu if query.cost == "g2" else mu
-        bars = self._bars(query)
-        closed = self._cut[window.slices] > rung
-        if bars is not None:
-            closed |= bars[window.slices]
-        closed[query.start[0] - window.row0, query.start[1] - window.col0] = False
-        weights[closed] = math.inf
-        return weights
-
-    def _bars(self, query: Query) -> NDArray[np.bool_] | None:
-        if len(query.barred) == 0:
-            return self._barred
-        none = np.zeros(self._risk.shape, dtype=np.bool_)
-        bars = none if self._barred is None else self._barred.copy()
-        bars[query.barred[:, 0], query.barred[:, 1]] = True
-        return bars
-
-    def _admissible(self, query: Query, rung: float) -> NDArray[np.bool_]:
-        admissible = admissible_cells(self._cut, rung, self._bars(query))
-        admissible[query.start] = True
-        return admissible
 
 
 @dataclass(frozen=True)
