@@ -52,10 +52,11 @@ SAME, BEYOND = 1.5, 4
 #: A path turns back if within some cells from where it leaves another it leads into a direction
 #: whose cosine is below this. To go back is for a robot that has looked from close by: a narrow
 #: opening that looks closed on the way is often open then (two of 0.7 m took 152 s without this
-#: rule and 97 s with it, standing for each perception 121 s).
+#: rule and 97 s with it, in 3 missions each).
 AWAY, BACK = 6, -0.2
-#: As long as the robot may drive on by more than this [m] it does not change its mind.
-SETTLED = 0.6
+#: As long as the robot may drive on by more than this [m], and by what it comes in a time [s], it
+#: does not change its mind: late where it is narrow, in time to keep its speed where it is not.
+SETTLED_DISTANCE, SETTLED_TIME = 0.5, 0.8
 #: Way from one stop to the next below which a stop is one for a perception [m].
 LEAST_WAY = 0.3
 
@@ -201,8 +202,11 @@ class ConcurrentMission(Mission):
         """Go over to a path that was planned from the fork, where that is of use."""
         motion = self._motion
         path = self._joined(plan) if plan.status == PlanStatus.FOUND else None
-        if path is None or motion.room > SETTLED:
+        settled = SETTLED_DISTANCE + SETTLED_TIME * motion.velocity[0]
+        if path is None or motion.room > settled:
             return
+        if plan.alpha > max(motion.path.alpha, self._p.believed_free_alpha):
+            return  # a riskier path is for a robot that has looked from where it is
         reach = self._known.reach(path.points)
         if (reach == 0 and len(path.points) > 1) or self._same(path, reach) or self._back(path):
             return

@@ -21,7 +21,9 @@ from fuzzy_navigation.concurrent_mission import (
 )
 from fuzzy_navigation.mission import Mission
 from fuzzy_navigation.mission_types import Commands, Drive, Finish, Outcome, Perceive, Phase, Plan
-from fuzzy_navigation.params import MotionParameters, motion_parameters
+from fuzzy_navigation.motion import Motion
+from fuzzy_navigation.params import PAPER_PRESET, MotionParameters, motion_parameters
+from fuzzy_navigation.planned_path import PlannedPath
 from fuzzy_navigation.planner import PlanResult, PlanStatus
 from unit.fuzzy_navigation.mission_script import (
     DT,
@@ -139,6 +141,48 @@ def test_another_way_is_taken_where_the_one_ends_and_not_before() -> None:
     for _ in range(100):
         script.tick()
     assert script.pose.y > 2.5
+
+
+@pytest.mark.parametrize(("corner", "alpha"), [((1.05, 2.05), 0.6), ((3.25, 3.05), 0.8)])
+def test_it_does_not_turn_back_or_take_a_riskier_path_before_it_has_looked(
+    corner: tuple[float, float], alpha: float
+) -> None:
+    script = Concurrent(known_to=3.5)
+    script.set_out(GOAL)
+    script.ticks(25)
+    while script.pose.x < 2.75:
+        script.ticks(1)
+    (plan,) = plans(script.show_map())
+    away = cells_along((plan.start.x, plan.start.y), corner, (corner[0], 3.05))
+    script.plan((plan,), away, alpha)
+    commands = script.run()
+    assert isinstance(commands[-1], Perceive)
+    # At the end of what is known of the path that it had.
+    assert script.pose.x == pytest.approx(3.5 - 0.23, abs=0.1)
+    assert script.pose.y == pytest.approx(2.05, abs=0.02)
+    script.plan(script.perceive(commands), cells_along((script.pose.x, 2.05), corner), alpha)
+    assert script.mission.feedback().alpha == alpha
+
+
+def test_a_smaller_clearance_is_allowed_no_farther_than_the_robot_comes_on_by_it() -> None:
+    """As after a perception without progress, with the paper's rule: 5 cm, then 12 again."""
+    p = motion_parameters(PAPER_PRESET, {"concurrent": True})
+    least = {}
+    for tightened in (False, True):
+        motion = Motion(p)
+        pose, wall = Pose2(1.05, 2.05), np.array([(2.96, 0.1 * k) for k in range(40)])
+        cells = cells_along((1.05, 2.05), GOAL)
+        path = PlannedPath.of(cells, 0.6, GEOMETRY, pose)
+        motion.begin(pose, path, Pose2(*GOAL), len(cells) - 1, True, wall)
+        while motion.stopped is None:
+            v, omega = motion.step(pose, wall, DT)
+            assert abs(omega) < 0.1
+            pose = replace(pose, x=pose.x + DT * v)
+            if tightened:
+                motion.tighten()
+        least[tightened] = 2.96 - 0.23 - pose.x
+    assert 0.05 - 0.005 <= least[False] < 0.12
+    assert least[True] >= 0.12 - 0.005
 
 
 def test_an_answer_that_comes_too_late_or_never_changes_nothing() -> None:
