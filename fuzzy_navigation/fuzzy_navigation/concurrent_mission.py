@@ -186,7 +186,7 @@ class ConcurrentMission(Mission):
         if self._request.open:
             return []
         self._fork = motion.ahead(FORK_DISTANCE + FORK_TIME * motion.velocity[0])
-        x, y = motion.path.points[self._fork].tolist()
+        x, y = motion.path.places[self._fork].tolist()
         start = Pose2(x, y, self._here.theta)
         commands = [self._with_present_hits(plan) for plan in self._plan()]
         self._state = State.MOVING
@@ -223,7 +223,7 @@ class ConcurrentMission(Mission):
         nearest = NEAREST * motion.path.resolution
         if first < self._fork and motion.distance_to(first + 1, self._here) < nearest:
             first += 1
-        poses = [Pose2(x, y) for x, y in motion.path.points[first : self._fork].tolist()]
+        poses = [Pose2(x, y) for x, y in motion.path.places[first : self._fork].tolist()]
         geometry = self._known.geometry
         try:
             return PlannedPath.of([*poses, *plan.poses], plan.alpha, geometry, self._here)
