@@ -171,6 +171,7 @@ class Planner:
                 self._parameters, start, goal, cost, alpha, adjacency, tolerance, barred, hits,
                 slim_radius, slim_above, any_angle,
             )  # fmt: skip
+            layer = self._layer(request.hits)
         except (TypeError, ValueError) as error:
             return PlanResult(PlanStatus.BAD_REQUEST, f"request refused: {error}")
         if not self._map.known:
@@ -184,7 +185,7 @@ class Planner:
         ):
             if not self.geometry.contains(*xy):
                 return PlanResult(status, self._outside(name, xy))
-        return self._climb(request)
+        return self._climb(request, layer)
 
     def _cells(self, xy: NDArray[np.float64]) -> NDArray[np.int64]:
         """Return the cells of the positions that lie inside the map, shape (n, 2)."""
@@ -198,10 +199,9 @@ class Planner:
             return None
         return clearance_layer(self.geometry, hits, p.robot_radius, p.layer)
 
-    def _climb(self, request: PlanRequest) -> PlanResult:
+    def _climb(self, request: PlanRequest, layer: RiskLayer | None) -> PlanResult:
         """Try rung after rung, and take the path of the first that does."""
         p = self._parameters
-        layer = self._layer(request.hits)
         query = Query(
             self.geometry.cell_of(*request.start),
             self._goal_cells(request.goal, request.tolerance),

@@ -26,6 +26,8 @@ __all__ = [
 
 #: A clearance that is less by more than this [m] has shrunk: noise apart.
 SHRINKING = 0.001
+#: From one rung of the ladder to the next.
+RUNG = 0.1
 
 
 class StopRule(Protocol):
@@ -102,7 +104,8 @@ class LayerClearance:
 
     The risk of the clearance must not exceed the rung that the path was found on: a path that
     the planner could only find where it is narrow may be driven there. At the first rung, 0.6,
-    this is the paper's least clearance.
+    this is the paper's least clearance. After a perception without progress it is the next rung:
+    where the planner sees just room enough, noise alone would hold the robot for good.
 
     Parameters
     ----------
@@ -118,6 +121,7 @@ class LayerClearance:
     ) -> NDArray[np.bool_]:
         """See `StopRule.blocked`."""
         following = clearances[1:]
+        alpha = alpha + RUNG if relaxed else alpha
         closer = following < clearances[:-1] - SHRINKING
         return (clearance_risk(following + self._layer.slack, self._layer) > alpha) & closer
 
