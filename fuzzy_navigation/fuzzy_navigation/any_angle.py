@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from fuzzy_map_building.jit import for_kernel, njit
 
-__all__ = ["MOST_KNOTS", "pulled_straight"]
+__all__ = ["MOST_KNOTS", "pulled_straight", "warm_up"]
 
 Floats = NDArray[np.float64]
 Cells = NDArray[np.int64]
@@ -31,6 +31,11 @@ _BEGINNING = 48
 _SAME = 1e-9
 #: A place is at most so far off its cell's centre, in cells, so that it lies in that cell.
 _OFFSET = 0.49
+
+
+def warm_up() -> None:
+    """Compile the kernel, or load it from the cache."""
+    pulled_straight(np.zeros((3, 2), dtype=np.int64), np.ones((1, 1)))
 
 
 def pulled_straight(

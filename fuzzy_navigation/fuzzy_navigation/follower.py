@@ -15,7 +15,7 @@ from fuzzy_map_building.types import Pose2, wrap_angle
 from fuzzy_navigation.params import FollowerParameters
 from fuzzy_navigation.path_smoothing import Leg, SmoothPath, smooth_path
 
-__all__ = ["Follower"]
+__all__ = ["Follower", "warm_up"]
 
 Floats = NDArray[np.float64]
 
@@ -50,6 +50,11 @@ def _nearest(x: float, y: float, points: Floats) -> int:
         if square < least:
             nearest, least = i, square
     return nearest
+
+
+def warm_up() -> None:
+    """Compile the kernel, or load it from the cache."""
+    _nearest(0.0, 0.0, for_kernel(np.zeros((1, 2))))
 
 
 class Follower:

@@ -35,7 +35,7 @@ from fuzzy_map_building.ros.conversions import (
 from fuzzy_map_building.ros.diagnostics import Diagnostics
 from fuzzy_map_building.ros.parameters import declare_parameters
 from fuzzy_map_building.ros.run import spin_node
-from fuzzy_navigation import clearance_layer
+from fuzzy_navigation import clearance_layer, follower
 from fuzzy_navigation.agreement import shared_parameters
 from fuzzy_navigation.concurrent_mission import mission_of
 from fuzzy_navigation.control_tick import SILENCE, ControlTicks, Tick, Untimely
@@ -82,7 +82,7 @@ class MotionNode(Node):
         )
         parameters = self._settings.values
         # Before the first tick, which would otherwise wait for the compiler.
-        for kernels in (sonar_guard, clearance_layer):
+        for kernels in (sonar_guard, clearance_layer, follower):
             kernels.warm_up()
         self._frames = parameters.infrared.frame_ids
         self._ticks = ControlTicks(parameters.infrared.bearings, parameters.timeout.pose)

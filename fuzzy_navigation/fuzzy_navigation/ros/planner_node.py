@@ -29,13 +29,13 @@ from fuzzy_map_building.ros.conversions import Refused, path_to_msg
 from fuzzy_map_building.ros.diagnostics import Diagnostics
 from fuzzy_map_building.ros.parameters import declare_parameters
 from fuzzy_map_building.ros.run import spin_node
+from fuzzy_navigation import any_angle, clearance_layer, search
 from fuzzy_navigation.agreement import shared_parameters
 from fuzzy_navigation.params import PLANNER_PRESETS, PlannerParameters, planner_parameters
 from fuzzy_navigation.planner import Planner, PlanResult, PlanStatus
 from fuzzy_navigation.risk import check_effort
 from fuzzy_navigation.ros.followed_map import FollowedMap, NewMap, NewWindow
 from fuzzy_navigation.ros.requests import requested_pose
-from fuzzy_navigation.search import warm_up
 
 __all__ = ["PlannerNode", "main"]
 
@@ -62,7 +62,9 @@ class PlannerNode(Node):
         self._map_stamp: Time | None = None
         self._answers: Counter[str] = Counter()
         self._last_time = 0.0
-        warm_up()  # before the first request, which would otherwise wait for the compiler
+        # Before the first request, which would otherwise wait for the compiler.
+        for kernels in (search, any_angle, clearance_layer):
+            kernels.warm_up()
         self._diagnostics = Diagnostics(self, values=self._values, problem=self._problem)
         self._settings.on_refusal = self._diagnostics.reject
         self._plan_publisher = self.create_publisher(Path, names.PLAN, qos.LATCHED)
