@@ -262,7 +262,7 @@ class Follower:
         p = self._p
         curvature = np.abs(leg.curvature)
         change = np.abs(np.gradient(leg.curvature, leg.s))
-        with np.errstate(divide="ignore"):
+        with np.errstate(divide="ignore", over="ignore"):  # as good as straight: no limit
             limit = np.minimum(p.max_linear, 0.9 * p.max_angular / curvature)
             limit = np.minimum(limit, np.sqrt(CURVATURE_PART * p.angular_acceleration / change))
         # The largest v with v^2 <= limit^2 + 2 a (distance) for every point ahead.

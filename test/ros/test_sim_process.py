@@ -65,6 +65,7 @@ def test_a_tick_tells_what_the_core_measures(probe: Probe, start_node: Start, ro
     wait_until(lambda: all(topic.messages for topic in heard), "every topic of the simulator")
     since = max(stamp(topic.messages[0]) for topic in heard) + 1.0
     poses.wait_for(lambda m: stamp(m) > since + 3.0)
+    clock.wait_for(lambda m: seconds_from_stamp(m.clock) > since + 3.0)
     process.assert_clean_stop()
 
     first = min(stamp(m) for m in poses.messages if stamp(m) >= since - 1e-6)
@@ -109,7 +110,6 @@ def test_a_tick_tells_what_the_core_measures(probe: Probe, start_node: Start, ro
     assert infrared.last.radiation_type == Range.INFRARED
     assert math.degrees(sonar.last.field_of_view) == pytest.approx(25.0)
     assert (sonar.last.min_range, sonar.last.max_range) == pytest.approx((0.12, 6.5))
-    assert seconds_from_stamp(clock.last.clock) >= last
 
 
 @pytest.fixture
