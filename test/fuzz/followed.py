@@ -30,7 +30,7 @@ class Followed:
         self._grid = published.grid
         self._follower = MapFollower()
         self._cells = np.empty((0, 0), np.int8)
-        self.windows = 0
+        self.windows = self._sent = 0
         self._whole = published.whole.publish
         published.whole.publish = self._on_map
         published.windows.publish = self._on_window
@@ -41,17 +41,21 @@ class Followed:
         assert self._follower.waiting == self._follower.missed == 0
 
     def _on_map(self, message: OccupancyGrid) -> None:
-        times = message.info.map_load_time, message.header.stamp
-        began, stamp = map(nanoseconds_from_stamp, times)
+        stamp = nanoseconds_from_stamp(message.header.stamp)
         geometry, values = grid_from_msg(message)
-        if self._follower.outdated(began, stamp):
+        if self._follower.outdated(stamp):
             assert np.array_equal(self._cells, values)
             return
         self._cells = values.copy()
-        assert self._follower.take_map(began, stamp, geometry) == []
+        assert self._follower.take_map(stamp, geometry) == []
         self._whole(message)
 
     def _on_window(self, message: OccupancyGridUpdate) -> None:
-        (window,) = self._follower.take_window(window_from_msg(message))
-        self._cells[window.window.slices] = window.cells
+        self._sent += 1
+        new = window_from_msg(message, self._sent)
+        ready = self._follower.take_window(new)
+        assert ready == ([] if new.window.empty else [new])
+        if new.window.empty:
+            return
+        self._cells[new.window.slices] = new.cells
         self.windows += 1

@@ -83,6 +83,7 @@ class Case:
         node._map = None
         node._followed.forget()
         self.windows = 0
+        self.info: dict[str, Any] = {}
         node._last_tick = -math.inf
         node._missions = node._missions_before = 0
         node._verdicts.clear()
@@ -115,7 +116,7 @@ class Case:
             "pose": self.node._on_pose,
             "infrared": self.node._on_infrared,
             "map": self.node._followed.on_map,
-            "window": self.node._followed.on_window,
+            "window": lambda m: self.node._followed.on_window(m, self.info),
         }[name](message)
         if refused:
             assert self.bench.rejected() == rejected + 1, f"{name} was not counted"
@@ -169,9 +170,8 @@ class Case:
         values = draw.choice(((0,), (0, 0, 0, 20), (0, 100), (100,)))
         resolution = draw.choice((0.1, 0.1, 0.1, 0.02, 1e-3, 1e-6))
         message = messages.grid(draw, self.bench.now, 16, 12, resolution, values)
-        stamps = (message.info.map_load_time, message.header.stamp)
-        began, stamp = map(clock.nanoseconds_from_stamp, stamps)
-        if self.node._followed._follower.outdated(began, stamp):
+        stamp = clock.nanoseconds_from_stamp(message.header.stamp)
+        if self.node._followed._follower.outdated(stamp):
             self.node._followed.on_map(message)  # not looked at
         else:
             self.message("map", message, map_conversions.risk_from_msg)
@@ -181,12 +181,9 @@ class Case:
         follower, area = self.node._followed._follower, self.node._mission._area
         geometry = area.geometry if area is not None else GridGeometry(16, 12, 0.1)
         self.windows += 1
-        message = messages.window(
-            draw,
-            self.bench.now + 0.01 * self.windows,
-            *(geometry.width, geometry.height, max(0, follower._began) * 1e-9),
-            max(0, follower._stamp) * 1e-9,
-        )
+        now = self.bench.now + 0.01 * self.windows
+        message = messages.window(draw, now, geometry.width, geometry.height)
+        self.info = messages.window_info(draw, follower._number)
         taken = follower.taken
         self.message("window", message, map_conversions.window_from_msg)
         if follower.taken > taken and area is self.node._mission._area and area is not None:

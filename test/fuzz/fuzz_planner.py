@@ -57,9 +57,8 @@ class Case:
             refused = False
         except Refused:
             refused = True
-        stamps = (message.info.map_load_time, message.header.stamp)
-        began, stamp = map(clock.nanoseconds_from_stamp, stamps)
-        refused &= not self.node._followed._follower.outdated(began, stamp)
+        stamp = clock.nanoseconds_from_stamp(message.header.stamp)
+        refused &= not self.node._followed._follower.outdated(stamp)
         rejected, planner = self.bench.rejected(), self.node._planner
         before = None if planner.augmented_risk is None else planner.augmented_risk.copy()
         self.node._followed.on_map(message)
@@ -77,19 +76,13 @@ class Case:
         follower, planner = self.node._followed._follower, self.node._planner
         geometry, kept = planner.geometry, planner._map._coded
         self.windows += 1
-        message = messages.window(
-            draw,
-            self.bench.now + 0.01 * self.windows,
-            *(geometry.width, geometry.height, max(0, follower._began) * 1e-9),
-            max(0, follower._stamp) * 1e-9,
-        )
+        now = self.bench.now + 0.01 * self.windows
+        message = messages.window(draw, now, geometry.width, geometry.height)
         expected = None if kept is None else kept.codes.copy()
         taken, rejected = follower.taken, self.bench.rejected()
-        self.node._followed.on_window(message)
+        self.node._followed.on_window(message, messages.window_info(draw, follower._number))
         self.counts["window" if follower.taken > taken else "window that did not fit"] += 1
         assert self.bench.rejected() <= rejected + 1
-        if follower.taken > taken + 1:
-            return  # others waited for it
         if expected is None or kept is None:
             assert follower.taken == taken
             return

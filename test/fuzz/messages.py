@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from array import array
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from builtin_interfaces.msg import Time
@@ -30,6 +31,7 @@ __all__ = [
     "stamped_pose",
     "twist",
     "window",
+    "window_info",
 ]
 
 _INT32, _UINT32 = 2**31 - 1, 2**32 - 1
@@ -120,15 +122,11 @@ def grid(
     return message
 
 
-def window(
-    draw: Draw, now: float, width: int, height: int, began: float, previous: float
-) -> OccupancyGridUpdate:
-    """Return a window of a map, mostly one that goes on from the state `previous` [s]."""
+def window(draw: Draw, now: float, width: int, height: int) -> OccupancyGridUpdate:
+    """Return a window of a map, mostly one that lies in it; now and then the empty one."""
     message = OccupancyGridUpdate(header=_header(draw, "map", now))
-    message.map_load_time = stamp_from_seconds(began)
-    message.previous = stamp_from_seconds(previous)
-    if draw.one_in(8):
-        message.map_load_time, message.previous = _stamp(draw, began), _stamp(draw, previous)
+    if draw.one_in(12):
+        return message
     message.width, message.height = 1 + draw.below(width), 1 + draw.below(height)
     message.x = draw.below(width - message.width + 1)
     message.y = draw.below(height - message.height + 1)
@@ -147,6 +145,14 @@ def window(
     if draw.one_in(6) and message.data:
         message.data[draw.below(len(message.data))] = draw.choice((-128, -1, 101, 127))
     return message
+
+
+def window_info(draw: Draw, number: int | None) -> dict[str, Any]:
+    """Return what the middleware tells of a window, mostly that it follows window `number`."""
+    follows = (number or 0) + 1
+    if draw.one_in(8):
+        return {"publication_sequence_number": draw.choice((None, 1, follows + 1, 2**64 - 1))}
+    return {"publication_sequence_number": follows}
 
 
 def point(draw: Draw, x: float, y: float) -> Point:

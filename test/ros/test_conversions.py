@@ -11,11 +11,13 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from builtin_interfaces.msg import Time
+from fuzzy_msgs.msg import OccupancyGridUpdate
 from geometry_msgs.msg import PoseStamped, Quaternion, Twist
 from nav_msgs.msg import OccupancyGrid
 from sensor_msgs.msg import JointState, Range
 
-from fuzzy_map_building.grid import GridGeometry
+from fuzzy_map_building.grid import GridGeometry, Window
+from fuzzy_map_building.map_follower import MapWindow
 from fuzzy_map_building.ros import conversions, map_conversions
 from fuzzy_map_building.ros.clock import seconds_from_stamp, stamp_from_seconds
 from fuzzy_map_building.ros.conversions import RangeSample, Refused
@@ -23,6 +25,7 @@ from fuzzy_map_building.types import Pose2
 
 FRAMES = tuple(f"sonar_{i}" for i in range(16))
 NAN, INF = math.nan, math.inf
+SOMEWHERE = Window(4, 6, 7, 10)
 
 
 def pose_message(x: float = 1.0, y: float = 2.0, theta: float = 0.5) -> PoseStamped:
@@ -222,6 +225,47 @@ def test_a_map_of_another_shape_is_a_fault_of_the_program() -> None:
         map_conversions.grid_to_msg(values[:2], geometry, Time(sec=1))
     with pytest.raises(ValueError, match="float64"):
         map_conversions.grid_to_msg(values.astype(float), geometry, Time(sec=1))
+
+
+def window_message(where: Window = SOMEWHERE) -> OccupancyGridUpdate:
+    cells = np.arange(where.shape[0] * where.shape[1], dtype=np.int8).reshape(where.shape)
+    return map_conversions.window_to_msg(MapWindow(None, 3_000_000_005, where, cells))
+
+
+def test_a_window_there_and_back() -> None:
+    message = window_message()
+    assert message.header.stamp == Time(sec=3, nanosec=5)
+    assert (message.x, message.y, message.width, message.height) == (7, 4, 3, 2)
+    assert list(message.data) == [0, 1, 2, 3, 4, 5]
+    back = map_conversions.window_from_msg(message, 12)
+    assert (back.number, back.stamp, back.window) == (12, 3_000_000_005, SOMEWHERE)
+    np.testing.assert_array_equal(back.cells, [[0, 1, 2], [3, 4, 5]])
+    nothing = map_conversions.window_from_msg(window_message(Window(0, 0, 0, 0)))
+    assert (nothing.number, nothing.window.empty, nothing.cells.size) == (None, True, 0)
+
+
+@pytest.mark.parametrize(
+    ("reason", "spoil"),
+    [
+        ("wrong_frame", lambda m: setattr(m.header, "frame_id", "odom")),
+        ("window", lambda m: setattr(m, "x", -1)),
+        ("window", lambda m: setattr(m, "width", 0)),
+        ("window", lambda m: setattr(m, "height", 0)),
+        ("window", lambda m: setattr(m, "width", 2**32 - 1)),
+        ("window", lambda m: setattr(m, "y", 2**31 - 2)),
+        ("size", lambda m: setattr(m, "width", 2)),
+        ("size", lambda m: (setattr(m, "width", 0), setattr(m, "height", 0))),
+        ("value", lambda m: setattr(m, "data", [0, 0, 0, 0, 0, -1])),
+        ("value", lambda m: setattr(m, "data", [0, 0, 0, 0, 0, 101])),
+        ("stamps", lambda m: setattr(m.header.stamp, "sec", -1)),
+    ],
+)
+def test_windows_that_are_refused(
+    reason: str, spoil: Callable[[OccupancyGridUpdate], None]
+) -> None:
+    message = window_message()
+    spoil(message)
+    assert refusal(lambda: map_conversions.window_from_msg(message)).reason == reason
 
 
 def test_path_there_and_back() -> None:

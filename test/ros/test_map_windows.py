@@ -19,9 +19,9 @@ from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
 
 from fuzzy_map_building.grid import Window
-from fuzzy_map_building.map_follower import MapWindow
 from fuzzy_map_building.ros import names, qos
-from fuzzy_map_building.ros.map_conversions import grid_from_msg, window_to_msg
+from fuzzy_map_building.ros.clock import nanoseconds_from_stamp
+from fuzzy_map_building.ros.map_conversions import grid_from_msg
 from fuzzy_map_building.types import Pose2
 from fuzzy_navigation.planner import Planner
 from ros.fake_robot import FakeRobot
@@ -30,18 +30,24 @@ from ros.planner_driver import GEOMETRY, GOAL, START, Driver, map_message, world
 
 TOPICS = (names.PLANNING_MAP, names.MOTION_MAP, names.MAP)
 UNKNOWN = {names.MOTION_MAP: 100, names.PLANNING_MAP: 0, names.MAP: -1}
-SECOND = 1_000_000_000
+#: Where the planner's map may be opened, and where nothing is.
+WALL, NOWHERE = Window(8, 16, 20, 21), Window(0, 0, 0, 0)
+
+
+def stamp_of(seconds: float) -> Time:
+    return Time(sec=int(seconds), nanosec=round(seconds % 1 * 1e9))
 
 
 def followed(whole: OccupancyGrid, windows: list[OccupancyGridUpdate]) -> NDArray[np.int8]:
     """Return what the windows make of a map, as the README tells those who follow them."""
     values = grid_from_msg(whole)[1].copy()
-    state = whole.header.stamp
+    newest = nanoseconds_from_stamp(whole.header.stamp)
     for message in windows:
         assert message.header.frame_id == "map"
-        assert message.map_load_time == whole.info.map_load_time
-        assert message.previous == state
-        state = message.header.stamp
+        stamp = nanoseconds_from_stamp(message.header.stamp)
+        if stamp <= newest:
+            continue
+        newest = stamp
         cells = np.reshape(message.data, (message.height, message.width))
         assert cells.size < values.size
         x, y = message.x, message.y
@@ -91,7 +97,21 @@ def test_the_mapper_sends_windows_at_once_and_the_whole_in_time(
         received.clear()
     probe.call(Trigger, names.RESET_MAP, Trigger.Request())
     for topic, received in whole.items():
-        received.wait_for(lambda m, t=topic: (grid_from_msg(m)[1] == UNKNOWN[t]).all())
+        anew = received.wait_for(lambda m, t=topic: (grid_from_msg(m)[1] == UNKNOWN[t]).all())
+        empty = windows[topic].wait_for(lambda m: m.width == m.height == 0)
+        assert (empty.header.stamp, len(empty.data)) == (anew.header.stamp, 0)
+
+
+def test_the_fields_are_those_of_map_msgs() -> None:
+    # http://docs.ros.org/en/noetic/api/map_msgs/html/msg/OccupancyGridUpdate.html
+    assert list(OccupancyGridUpdate.get_fields_and_field_types().items()) == [
+        ("header", "std_msgs/Header"),
+        ("x", "int32"),
+        ("y", "int32"),
+        ("width", "uint32"),
+        ("height", "uint32"),
+        ("data", "sequence<int8>"),
+    ]
 
 
 @pytest.fixture
@@ -99,58 +119,89 @@ def planner(probe: Probe, start_node: Callable[..., NodeProcess]) -> Driver:
     return Driver(probe, start_node("planner"))
 
 
-def test_the_planner_follows_windows_and_falls_back_to_the_whole_map(
-    probe: Probe, planner: Driver
-) -> None:
-    windows = probe.publisher(
-        OccupancyGridUpdate, names.updates_of(names.PLANNING_MAP), qos.WINDOWS
-    )
-    values = world()
-    planner.give_and_wait(map_message(values))
-    wall = Window(8, 16, 20, 21)
+class Somebody:
+    """Publishes windows of the planner's map, and keeps what the map should be."""
 
-    def send(previous: float, stamp: float, cells: int, window: Window = wall) -> None:
-        shape = window.shape
-        new = np.full(shape, cells, np.int8)
-        times = round(previous * SECOND), round(stamp * SECOND)
-        windows.publish(window_to_msg(MapWindow(SECOND, *times, window, new)))
+    def __init__(self, probe: Probe, planner: Driver) -> None:
+        self.planner = planner
+        self.values = world()
+        topic = names.updates_of(names.PLANNING_MAP)
+        self._windows = probe.publisher(OccupancyGridUpdate, topic, qos.WINDOWS)
 
-    def wait_for(stamp: float) -> None:
-        wanted = Time(sec=int(stamp), nanosec=round(stamp % 1 * SECOND))
-        wait_until(lambda: planner.plan().path.header.stamp == wanted, f"the map of {stamp} s")
+    def send(self, stamp: float, cells: int, window: Window = WALL) -> None:
+        # Field by field, as any other publisher of six fields does.
+        message = OccupancyGridUpdate()
+        message.header.frame_id = "map"
+        message.header.stamp = stamp_of(stamp)
+        message.x, message.y = window.col0, window.row0
+        message.height, message.width = window.shape
+        message.data = [cells] * (message.width * message.height)
+        self._windows.publish(message)
 
-    def check(opening: int) -> None:
-        values[wall.slices] = opening
+    def give(self, stamp: float, opening: int | None = None) -> None:
+        values = self.values.copy()
+        if opening is not None:
+            values[WALL.slices] = opening
+        message = map_message(values)
+        message.header.stamp = stamp_of(stamp)
+        self.planner.give(message)
+
+    def check(self, stamp: float, opening: int) -> None:
+        """Wait until the planner has the map of this stamp, and look at it."""
+        wanted = stamp_of(stamp)
+        wait_until(
+            lambda: self.planner.plan().path.header.stamp == wanted, f"the map of {stamp} s"
+        )
+        self.values[WALL.slices] = opening
         core = Planner(GEOMETRY)
-        core.set_map(values / 100.0)
-        answer, expected = planner.plan(), core.plan(START, GOAL)
+        core.set_map(self.values / 100.0)
+        answer, expected = self.planner.plan(), core.plan(START, GOAL)
         assert (answer.status, answer.g2) == (expected.status, expected.g2)
         assert (expected.alpha == 1.0) == (opening == 100)
 
+
+def test_windows_of_somebody_else_are_followed(probe: Probe, planner: Driver) -> None:
+    somebody = Somebody(probe, planner)
+    planner.give_and_wait(map_message(somebody.values))
     before = planner.counts()
-    send(1.0, 2.0, 30)
-    wait_for(2.0)
-    check(30)
-    # The first of two is missing: the second waits, the whole map makes good for both.
-    send(3.0, 4.0, 0)
-    planner.wait_for_counts(before, {"windows.taken": 1, "windows.waiting": 1})
-    check(30)
-    message = map_message(values)
-    message.header.stamp, message.info.map_load_time = Time(sec=3), Time(sec=1)
-    planner.give(message)
-    wait_for(4.0)
-    check(0)
-    # A whole map that is older than the windows', and windows that do not fit.
-    planner.give(map_message(np.full(values.shape, 100, np.int8), 1))
-    send(4.0, 5.0, 100, Window(28, 33, 0, 1))
-    send(2.5, 4.5, 100)
-    planner.wait_for_counts(before, {"rejected.planning_map_updates.unfit": 2})
-    check(0)
-    send(4.0, 5.0, 100)
-    wait_for(5.0)
-    check(100)
-    # A map that is begun anew, though stamped earlier.
-    message = map_message(values)
-    message.header.stamp = message.info.map_load_time = Time(nanosec=SECOND // 2)
-    planner.give(message)
-    wait_for(0.5)
+    for stamp, opening in ((2.0, 30), (2.5, 100), (3.0, 0)):
+        somebody.send(stamp, opening)
+        somebody.check(stamp, opening)
+    planner.wait_for_counts(
+        before, {"windows.taken": 3, "windows.waiting": 0, "windows.missed": 0}
+    )
+
+
+def test_the_planner_follows_windows_and_falls_back_to_the_whole_map(
+    probe: Probe, planner: Driver
+) -> None:
+    mapper = Somebody(probe, planner)
+    planner.give_and_wait(map_message(mapper.values))
+    before = planner.counts()
+    mapper.send(1.0, 0, NOWHERE)
+    mapper.send(2.0, 30)
+    mapper.check(2.0, 30)
+    # What is refused is missing: the next window waits, the whole map makes good for both.
+    mapper.send(3.0, 100, Window(28, 33, 0, 1))
+    mapper.send(4.0, 0)
+    planner.wait_for_counts(
+        before,
+        {"rejected.planning_map_updates.unfit": 1, "windows.taken": 1, "windows.waiting": 1},
+    )
+    mapper.check(2.0, 30)
+    mapper.give(4.0, 100)
+    mapper.check(4.0, 100)
+    mapper.send(5.0, 0)
+    mapper.check(5.0, 0)
+    # A whole map that is older than the windows'.
+    mapper.give(4.5, 100)
+    mapper.send(6.0, 0, Window(0, 1, 0, 1))
+    mapper.values[0, 0] = 0
+    mapper.check(6.0, 0)
+    # A map that is another one, though stamped earlier: the window after it waits for it.
+    mapper.send(0.5, 0, NOWHERE)
+    mapper.send(0.75, 100)
+    planner.wait_for_counts(before, {"windows.taken": 3, "windows.waiting": 1})
+    mapper.check(6.0, 0)
+    mapper.give(0.5, 30)
+    mapper.check(0.75, 100)

@@ -114,7 +114,6 @@ def grid_to_msg(
     geometry: GridGeometry,
     stamp: Time,
     frame: str = names.MAP_FRAME,
-    began: Time | None = None,
 ) -> OccupancyGrid:
     """Return the message of a map.
 
@@ -128,15 +127,13 @@ def grid_to_msg(
         Of the map.
     frame : str
         That of its positions.
-    began : Time, optional
-        When the map was begun or loaded; `stamp` if not given.
     """
     if values.dtype != np.int8 or values.shape != geometry.shape:
         raise ValueError(
             f"a map of shape {geometry.shape} takes int8, got {values.dtype} of {values.shape}"
         )
     message = OccupancyGrid(header=Header(stamp=stamp, frame_id=frame))
-    message.info.map_load_time = stamp if began is None else began
+    message.info.map_load_time = stamp
     message.info.resolution = geometry.resolution
     message.info.width = geometry.width
     message.info.height = geometry.height
@@ -152,16 +149,14 @@ def _bytes_of(values: NDArray[np.int8]) -> array[int]:
     Anything else it copies value by value, a hundred times slower.
     """
     data = array("b")
-    data.frombytes(np.ascontiguousarray(values).data.cast("B"))
+    data.frombytes(np.ascontiguousarray(values))
     return data
 
 
 def window_to_msg(window: MapWindow) -> OccupancyGridUpdate:
-    """Return the message of new cells of a map."""
+    """Return the message of new cells of a map; the middleware numbers it."""
     message = OccupancyGridUpdate(
-        header=Header(stamp=stamp_from_nanoseconds(window.stamp), frame_id=names.MAP_FRAME),
-        map_load_time=stamp_from_nanoseconds(window.began),
-        previous=stamp_from_nanoseconds(window.previous),
+        header=Header(stamp=stamp_from_nanoseconds(window.stamp), frame_id=names.MAP_FRAME)
     )
     message.x, message.y = window.window.col0, window.window.row0
     message.height, message.width = window.cells.shape
@@ -169,8 +164,19 @@ def window_to_msg(window: MapWindow) -> OccupancyGridUpdate:
     return message
 
 
-def window_from_msg(message: OccupancyGridUpdate, what: str = "window") -> MapWindow:
+def window_from_msg(
+    message: OccupancyGridUpdate, number: int | None = None, what: str = "window"
+) -> MapWindow:
     """Return new cells of a risk map; whether they fit it is for the `MapFollower` to say.
+
+    Parameters
+    ----------
+    message : OccupancyGridUpdate
+        Of 0 x 0 cells if the map is another one from its stamp on.
+    number : int, optional
+        What the middleware tells as its ``publication_sequence_number``.
+    what : str
+        What to call it in the refusal.
 
     Raises
     ------
@@ -179,7 +185,8 @@ def window_from_msg(message: OccupancyGridUpdate, what: str = "window") -> MapWi
     """
     check_frame(message.header, names.MAP_FRAME, what)
     x, y, width, height = message.x, message.y, message.width, message.height
-    if x < 0 or y < 0 or width < 1 or height < 1 or width * height > MAX_CELLS:
+    none = width == height == 0
+    if x < 0 or y < 0 or (width * height < 1 and not none) or width * height > MAX_CELLS:
         raise Refused(
             "window",
             f"{what} of {width} x {height} cells at column {x}, row {y} is no part of a map of up "
@@ -192,24 +199,11 @@ def window_from_msg(message: OccupancyGridUpdate, what: str = "window") -> MapWi
             "size", f"{what} has {len(message.data)} values for {width} x {height} cells"
         )
     cells = np.frombuffer(message.data, dtype=np.int8).reshape(height, width)
-    if cells.min() < 0 or cells.max() > 100:
+    if not none and (cells.min() < 0 or cells.max() > 100):
         raise Refused(
             "value", f"{what} has values from {cells.min()} to {cells.max()}, allowed: 0..100"
         )
-    began, previous, stamp = (
-        _nanoseconds(time, what)
-        for time in (message.map_load_time, message.previous, message.header.stamp)
-    )
-    if not began <= previous < stamp:
-        raise Refused(
-            "stamps",
-            f"{what} makes a map of {stamp} ns of one of {previous} ns that was begun at {began} "
-            "ns: each must be later than the one before",
-        )
-    return MapWindow(began, previous, stamp, Window(y, y + height, x, x + width), cells)
-
-
-def _nanoseconds(stamp: Time, what: str) -> int:
-    if stamp.sec < 0:
-        raise Refused("stamps", f"{what} has a negative stamp ({stamp.sec} s)")
-    return nanoseconds_from_stamp(stamp)
+    if message.header.stamp.sec < 0:
+        raise Refused("stamps", f"{what} has a negative stamp ({message.header.stamp.sec} s)")
+    stamp = nanoseconds_from_stamp(message.header.stamp)
+    return MapWindow(number, stamp, Window(y, y + height, x, x + width), cells)

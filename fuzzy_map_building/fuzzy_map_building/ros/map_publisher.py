@@ -4,7 +4,9 @@
 
 A small map is published whole with every packet. Of a large one each packet's window is
 published, and the whole, which takes a hundred times as long, at a bounded rate; so whoever
-comes late, or follows no windows, sees the newest map within a known time as well.
+comes late, or follows no windows, sees the newest map within a known time as well. A large map
+that is another one from now on comes whole at once, and a window without cells says so to those
+who follow the windows.
 """
 
 from __future__ import annotations
@@ -40,8 +42,6 @@ __all__ = ["MapPublisher"]
 
 #: A whole map waits so long for the answers that windows bring about, which are short [s].
 PAUSE: Final = 0.2
-#: Two maps whose time begins at one moment are told apart by less than this [ns].
-DOUBT: Final = 1_000_000
 
 
 @dataclass
@@ -96,7 +96,7 @@ class MapPublisher:
         )
         #: Whether a map that tells something was published before simulated time had begun.
         self.undated = False
-        self._stamp = self._began = 0
+        self._stamp = 0
         self._anew = True
         self.publish(mapper, window=Window(0, 0, 0, 0))
         for service, grid in (
@@ -106,7 +106,7 @@ class MapPublisher:
             node.create_service(GetMap, service, self._getter(grid), qos_profile=qos.REQUESTS)
 
     def begin(self) -> None:
-        """Count the maps that come as states of a new one, for time has stepped back."""
+        """Publish the next map as another one, for time has stepped back."""
         self._anew = True
 
     def publish(
@@ -133,17 +133,22 @@ class MapPublisher:
         anew = self._anew or previous == 0
         if anew:
             self._stamp, self._anew = stamp, False
-            # Where simulated time is set back again and again, it begins at the same times.
-            self._began = max(0, stamp - time.time_ns() % DOUBT)
         else:
             # No two states have one stamp.
             self._stamp = max(stamp, previous + 1)
         small = mapper.geometry.width * mapper.geometry.height <= self.parameters.small_map
+        another = anew or window is None
         for each in self._maps:
-            if small or anew or window is None or window.empty:
+            if not small and another:
+                self._publish_window(each, Window(0, 0, 0, 0))
+            if small or another or window is None or window.empty:
                 self._publish_whole(each)
             else:
-                self._publish_window(each, previous, window)
+                self._publish_window(each, window)
+            if not small and anew:
+                # Whoever heard the map before the window took it for an old one if it is stamped
+                # earlier: once more when it is due.
+                each.changed = each.published
 
     def advance(self) -> None:
         """Publish a whole map that is due, one at a time; to be called several times a second."""
@@ -168,16 +173,15 @@ class MapPublisher:
         each.whole.publish(self._message(each.grid()))
         each.published, each.changed = time.monotonic(), None
 
-    def _publish_window(self, each: _Map, previous: int, window: Window) -> None:
+    def _publish_window(self, each: _Map, window: Window) -> None:
         cells = each.grid()[window.slices]
-        message = window_to_msg(MapWindow(self._began, previous, self._stamp, window, cells))
+        message = window_to_msg(MapWindow(None, self._stamp, window, cells))
         each.windows.publish(message)
         if each.changed is None:
             each.changed = time.monotonic()
 
     def _message(self, grid: NDArray[np.int8]) -> OccupancyGrid:
-        stamp, began = map(stamp_from_nanoseconds, (self._stamp, self._began))
-        return grid_to_msg(grid, self._geometry, stamp, began=began)
+        return grid_to_msg(grid, self._geometry, stamp_from_nanoseconds(self._stamp))
 
     def _getter(
         self, grid: Callable[[], NDArray[np.int8]]

@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from builtin_interfaces.msg import Time
 from fuzzy_msgs.msg import OccupancyGridUpdate
@@ -119,9 +120,9 @@ class FollowedMap:
 
     def on_map(self, message: OccupancyGrid) -> None:
         """Take a whole map, unless windows have made a newer one of it already."""
-        stamp, loaded = message.header.stamp, message.info.map_load_time
-        began, at = nanoseconds_from_stamp(loaded), nanoseconds_from_stamp(stamp)
-        if self._follower.outdated(began, at):
+        stamp = message.header.stamp
+        at = nanoseconds_from_stamp(stamp)
+        if self._follower.outdated(at):
             return
         try:
             geometry, risk = risk_from_msg(message, self._what)
@@ -131,13 +132,21 @@ class FollowedMap:
             self._refuse(self._topic, refusal)
             return
         self._take_map(NewMap(geometry, risk, stamp))
-        self._take(self._follower.take_map(began, at, geometry))
+        self._take(self._follower.take_map(at, geometry))
 
-    def on_window(self, message: OccupancyGridUpdate) -> None:
-        """Take a window if it goes on from the map that is known, else have it wait."""
-        what = f"a window of {self._what}"
+    def on_window(self, message: OccupancyGridUpdate, info: Mapping[str, Any]) -> None:
+        """Take a window if it goes on from the map that is known, else have it wait.
+
+        Parameters
+        ----------
+        message : OccupancyGridUpdate
+            What has come.
+        info : mapping
+            What the middleware tells of it: its ``publication_sequence_number``, or None.
+        """
+        number, what = info.get("publication_sequence_number"), f"a window of {self._what}"
         try:
-            window = window_from_msg(message, what)
+            window = window_from_msg(message, number, what)
             self._times.check(self._now(), seconds_from_stamp(message.header.stamp))
             ready = self._follower.take_window(window)
         except ValueError as refusal:
@@ -152,6 +161,7 @@ class FollowedMap:
             "windows.taken": follower.taken,
             "windows.waiting": follower.waiting,
             "windows.missed": follower.missed,
+            "windows.settled": follower.settled,
         }
 
     def _take(self, windows: list[MapWindow]) -> None:
