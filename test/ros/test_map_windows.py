@@ -93,7 +93,7 @@ def test_the_mapper_sends_windows_at_once_and_the_whole_in_time(
     for topic, received in whole.items():
         np.testing.assert_array_equal(grid_from_msg(received.wait_for())[1], kept[topic])
     # What was reset is told whole, at once.
-    for received in whole.values():
+    for received in (*whole.values(), *windows.values()):
         received.clear()
     probe.call(Trigger, names.RESET_MAP, Trigger.Request())
     for topic, received in whole.items():
