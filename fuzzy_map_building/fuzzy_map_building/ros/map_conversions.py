@@ -149,7 +149,7 @@ def _bytes_of(values: NDArray[np.int8]) -> array[int]:
     Anything else it copies value by value, a hundred times slower.
     """
     data = array("b")
-    data.frombytes(np.ascontiguousarray(values))
+    data.frombytes(np.ascontiguousarray(values).data)
     return data
 
 

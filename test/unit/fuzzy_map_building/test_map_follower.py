@@ -230,6 +230,42 @@ def test_windows_of_another_map_wait_for_it() -> None:
     assert follower.take_window(window(2, 23))
 
 
+def test_a_clock_that_is_set_back_without_a_word_is_a_gap() -> None:
+    follower = MapFollower()
+    follower.take_map(50, GEOMETRY)
+    assert follower.take_window(window(1, 51))
+    second, third = window(2, 10), window(3, 11)
+    assert follower.take_window(second) == follower.take_window(third) == []
+    assert (follower.waiting, follower.missed) == (2, 0)
+    assert not follower.outdated(10)
+    assert follower.take_map(10, GEOMETRY) == [third]
+    assert follower.settled
+
+
+def test_a_map_of_before_that_comes_late_is_not_taken_for_the_one_begun_anew() -> None:
+    follower = MapFollower()
+    follower.take_map(49, GEOMETRY)
+    assert follower.take_window(window(1, 50))
+    assert follower.take_window(window(2, 10, NOWHERE)) == []
+    follower.take_map(50, GEOMETRY)  # of before
+    assert follower.take_window(window(3, 11)) == []  # so it seems to be known
+    assert follower.take_map(10, GEOMETRY) == []
+    twelfth, thirteenth = window(4, 12), window(5, 13)
+    assert follower.take_window(twelfth) == follower.take_window(thirteenth) == []
+    assert follower.take_map(12, GEOMETRY) == [thirteenth]
+    assert follower.settled
+
+
+def test_a_map_begun_anew_is_not_awaited_where_a_later_one_is_held() -> None:
+    follower = MapFollower()
+    follower.take_map(4, GEOMETRY)
+    assert follower.take_window(window(1, 5))
+    follower.take_map(10, GEOMETRY)
+    assert follower.take_window(window(2, 8, NOWHERE)) == []
+    assert follower.settled
+    assert follower.take_window(window(3, 11))
+
+
 def test_a_window_that_the_map_holds_is_known_but_its_number_counts() -> None:
     follower = MapFollower()
     follower.take_map(9, GEOMETRY)
