@@ -93,7 +93,7 @@ def entry_line(entry: LogEntry) -> str:
     """Return a perception of a mission's log as a line."""
     pose = entry.pose
     if entry.stop is Stop.NONE:
-        why = "at the start"
+        why = "at the start" if entry.perception == 1 else "on the way"
     else:
         why = f"stopped by {entry.stop.name.lower():<10} alpha {entry.alpha:.1f}"
     return (

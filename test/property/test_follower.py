@@ -48,7 +48,7 @@ class Drive:
     def move(self, v: float, omega: float, dt: float) -> None:
         self.waiting.append((v, omega))
         v, omega = self.waiting.popleft()
-        if omega == 0.0:
+        if abs(omega) < 1e-9:  # as good as straight, and v / omega may be no number
             self.x += v * dt * math.cos(self.theta)
             self.y += v * dt * math.sin(self.theta)
         else:

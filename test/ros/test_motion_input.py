@@ -107,7 +107,9 @@ def test_bad_poses_and_ranges_are_refused_and_counted(scene: Scene) -> None:
         ranges.publish(message)
     for value in (math.nan, -0.5):
         faulty = Range(range=value, max_range=0.8)
-        faulty.header.frame_id, faulty.header.stamp = FRAMES[0], stamp_from_seconds(now + 0.01)
+        # Of now, not of before: the robot goes on, and what is older than its readings is late.
+        faulty.header.stamp = stamp_from_seconds(scene.robot.time + 0.01)
+        faulty.header.frame_id = FRAMES[0]
         ranges.publish(faulty)
     scene.counts(
         pose__wrong_frame=1,

@@ -3,6 +3,7 @@
 """Moments of a mission, told and drawn."""
 
 import itertools
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -73,3 +74,5 @@ def test_a_perception_is_told_in_a_line() -> None:
         "perception   1 at    4.20 s, (  1.25,   5.25) m: at the start,                    "
         " 6.12 m left"
     )
+    later = replace(first, perception=2)  # mapped on the way, without a stop
+    assert ": on the way,  " in entry_line(later)
