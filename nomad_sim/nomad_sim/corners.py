@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy_map_building.jit import njit
-from nomad_sim.ray_casting import meet_segments
+from nomad_sim.ray_casting import in_polygon, meet_segments
 from nomad_sim.segment_index import SegmentIndex
 
 __all__ = ["SAME", "segment_crossings", "which_echo"]
@@ -136,15 +136,7 @@ def _covered(
 ) -> bool:
     """Whether a point lies in one of the solids whose numbers are given."""
     for k in range(near.shape[0]):
-        odd = False
-        for i in range(solids[near[k], 0], solids[near[k], 1]):
-            y0 = segments[i, 1]
-            y1 = segments[i, 3]
-            if (y0 > y) != (y1 > y):
-                x0 = segments[i, 0]
-                if x < x0 + (y - y0) / (y1 - y0) * (segments[i, 2] - x0):
-                    odd = not odd
-        if odd:
+        if in_polygon(x, y, segments, solids[near[k], 0], solids[near[k], 1]):
             return True
     return False
 

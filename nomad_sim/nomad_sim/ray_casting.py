@@ -24,6 +24,7 @@ __all__ = [
     "cast_rays",
     "crossings",
     "hits",
+    "in_polygon",
     "inside",
     "meet_segments",
     "nearest",
@@ -178,6 +179,30 @@ def cast_rays(
 
 
 @njit
+def in_polygon(x: float, y: float, segments: FloatArray, first: int, last: int) -> bool:
+    """Whether a point lies in the polygon of the segments from `first` to the one before `last`.
+
+    Parameters
+    ----------
+    x, y : float
+        The point [m].
+    segments : ndarray of float64, shape (N, 4)
+        End points [m].
+    first, last : int
+        Half open [first, last).
+    """
+    odd = False
+    for i in range(first, last):
+        y0 = segments[i, 1]
+        y1 = segments[i, 3]
+        if (y0 > y) != (y1 > y):
+            x0 = segments[i, 0]
+            if x < x0 + (y - y0) / (y1 - y0) * (segments[i, 2] - x0):
+                odd = not odd
+    return odd
+
+
+@njit
 def inside(x: float, y: float, segments: FloatArray, solids: NDArray[np.int64]) -> bool:
     """Whether a point lies in a solid polygon.
 
@@ -191,15 +216,7 @@ def inside(x: float, y: float, segments: FloatArray, solids: NDArray[np.int64]) 
         First and past-the-last segment of each polygon.
     """
     for s in range(solids.shape[0]):
-        odd = False
-        for i in range(solids[s, 0], solids[s, 1]):
-            y0 = segments[i, 1]
-            y1 = segments[i, 3]
-            if (y0 > y) != (y1 > y):
-                x0 = segments[i, 0]
-                if x < x0 + (y - y0) / (y1 - y0) * (segments[i, 2] - x0):
-                    odd = not odd
-        if odd:
+        if in_polygon(x, y, segments, solids[s, 0], solids[s, 1]):
             return True
     return False
 
