@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from fuzzy_map_building.jit import njit
 from nomad_sim.ray_casting import in_polygon, meet_segments
-from nomad_sim.segment_index import SegmentIndex
+from nomad_sim.segment_index import SegmentIndex, put_member
 
 __all__ = ["SAME", "segment_crossings", "which_echo"]
 
@@ -120,10 +120,7 @@ def _file_solids(
                 max(0, int((left - frame[0]) / frame[2])),
                 min(shape[1] - 1, int((right - frame[0]) / frame[2])) + 1,
             ):
-                square = row * shape[1] + column
-                if places[square] < members.shape[0]:
-                    members[places[square]] = s
-                places[square] += 1
+                put_member(row * shape[1] + column, s, places, members)
 
 
 @njit

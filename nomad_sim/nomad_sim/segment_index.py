@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from fuzzy_map_building.jit import for_kernel, njit
 from nomad_sim.ray_casting import NO_SURFACE, TOUCHING, hits, nearest
 
-__all__ = ["SegmentIndex"]
+__all__ = ["SegmentIndex", "put_member"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -26,6 +26,24 @@ IntArray = NDArray[np.int64]
 # A segment counts as touching squares this near [m]: more than a ray starts behind its start,
 # and more than rounding.
 _SLACK = 1e-5
+
+
+@njit
+def put_member(square: int, number: int, places: IntArray, members: IntArray) -> None:
+    """Put a number among those of a square, if there is room, and move its place on by one.
+
+    Parameters
+    ----------
+    square, number : int
+        The square, and what touches it.
+    places : ndarray of int64, shape (squares,)
+        Where each square's next number goes.
+    members : ndarray of int64
+        Receives the numbers, as far as there is room: none to count only.
+    """
+    if places[square] < members.shape[0]:
+        members[places[square]] = number
+    places[square] += 1
 
 
 @njit
@@ -70,10 +88,7 @@ def _file(
             bottom = max(0, int((low - _SLACK) / side))
             top = min(shape[0] - 1, int((high + _SLACK) / side))
             for row in range(bottom, top + 1):
-                square = row * shape[1] + column
-                if places[square] < members.shape[0]:
-                    members[places[square]] = i
-                places[square] += 1
+                put_member(row * shape[1] + column, i, places, members)
 
 
 @njit

@@ -169,29 +169,31 @@ def _mission(probe: Probe, play: Round) -> Iterator[None]:
     yield
 
 
-def four_nodes(play: Round) -> None:
-    """Stop simulator, mapper, planner and motion in the middle of a mission."""
-    clock = {"use_sim_time": True}
-    processes = [play.start("sim", dict(SIM))]
-    processes += [play.start(name, dict(clock)) for name in ("mapper", "planner", "motion")]
+def _stop_in_mission(play: Round, processes: Sequence[NodeProcess]) -> None:
+    """Stop processes at a moment of the mission that they are at."""
     probe = Probe()
     try:
         with _mission(probe, play):
             play.stop(processes)
     finally:
-        _close(probe, processes)
+        for process in processes:
+            process.close()
+        probe.close()
+
+
+def four_nodes(play: Round) -> None:
+    """Stop simulator, mapper, planner and motion in the middle of a mission."""
+    clock = {"use_sim_time": True}
+    processes = [play.start("sim", dict(SIM))]
+    processes += [play.start(name, dict(clock)) for name in ("mapper", "planner", "motion")]
+    _stop_in_mission(play, processes)
 
 
 def with_bringup(play: Round) -> None:
     """Stop bringup, that has a temporary folder, beside a simulator."""
     processes = [play.start("sim", dict(SIM))]
     processes.append(play.start("bringup", {"use_sim_time": True}, "--respawn"))
-    probe = Probe()
-    try:
-        with _mission(probe, play):
-            play.stop(processes)
-    finally:
-        _close(probe, processes)
+    _stop_in_mission(play, processes)
 
 
 def with_demo(play: Round) -> None:
@@ -208,12 +210,6 @@ def with_demo(play: Round) -> None:
             demo.send(signal.SIGTERM)
             demo.wait(PATIENCE)
         demo.close()
-
-
-def _close(probe: Probe, processes: Sequence[NodeProcess]) -> None:
-    for process in processes:
-        process.close()
-    probe.close()
 
 
 #: The scenes by turns: most stops are those of single nodes.
