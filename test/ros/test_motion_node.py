@@ -345,3 +345,4 @@ def test_changed_parameters_hold_once_no_mission_goes_by_the_old(scene: Scene) -
     assert slim[0] == (0.0, pytest.approx(0.6))
     assert slim[-1] == pytest.approx((0.1, 0.6))
     assert all(asked.any_angle for asked in scene.planner.requests)
+    assert all(asked.any_angle for asked in scene.planner.requests)

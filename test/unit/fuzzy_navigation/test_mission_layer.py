@@ -51,6 +51,8 @@ def test_the_planner_is_told_of_the_slimmer_robot() -> None:
         script.tick()
         (plan,) = (c for c in script.perceive(script.start(*GOAL)) if isinstance(c, Plan))
         assert (plan.slim_radius, plan.slim_above) == (radius, 0.6)
+        # By the paper the robot drives from cell to cell.
+        assert plan.any_angle == (radius == 0.0)
 
 
 #: Clearance down to which each rung goes: 0.12 - 0.07 (alpha - 0.6) / 0.4.
