@@ -4,7 +4,8 @@
 
 Poses and ranges come one by one, in any order. A tick is due as soon as every sensor has
 delivered a reading of the pose's stamp or a newer one; at the latest when the next pose
-comes, for a sensor that fell silent must not silence the robot's control.
+comes or a silence says that nothing will, for a sensor that fell silent must not silence the
+robot's control.
 """
 
 from __future__ import annotations
@@ -168,6 +169,11 @@ class ControlTicks:
         self._range_came[sensor] = now
         self._unused.add(sensor)
         return self._due() if self._pending is not None else None
+
+    def overdue(self) -> Tick | None:
+        """Return the tick of a pose that waits for ranges, if one does: it waits no longer."""
+        waiting, self._pending = self._pending, None
+        return None if waiting is None else self._release(*waiting, complete=False)
 
     def _due(self) -> Tick | None:
         if self._pending is None or len(self._newest) < len(self._bearings):

@@ -20,7 +20,7 @@ from fuzz.nodes import Bench, node_of
 from fuzz.surface import Surface, Target
 from fuzzy_map_building.parameter_schema import flatten
 from fuzzy_map_building.ros import clock
-from fuzzy_map_building.ros.conversions import Refused, twist_from_msg
+from fuzzy_map_building.ros.conversions import Refused, stamped_twist_from_msg, twist_from_msg
 from nomad_sim.ros import sim_node
 from nomad_sim.ros.sim_node import SimNode
 
@@ -53,18 +53,21 @@ class Case:
         assert simulator.world.surfaces().distance(pose.x, pose.y) >= robot.radius - 1e-6
 
     def command(self, draw: Draw) -> None:
-        self.counts["cmd_vel"] += 1
-        message = messages.twist(draw)
+        stamped = draw.one_in(2)
+        self.counts["cmd_vel_stamped" if stamped else "cmd_vel"] += 1
+        message = messages.stamped_twist(draw) if stamped else messages.twist(draw)
         robot = self.node._simulator.parameters.robot
         try:
-            linear, angular = twist_from_msg(message)
+            linear, angular = (
+                stamped_twist_from_msg(message)[1] if stamped else twist_from_msg(message)
+            )
             refused = abs(linear) > sim_node.ABSURD * robot.max_linear
             refused |= abs(angular) > sim_node.ABSURD * robot.max_angular
         except Refused:
             refused = True
         before = (self.node._command, self.node._commanded_at, self.node._simulator.nanoseconds)
         rejected = self.bench.rejected()
-        self.node._on_cmd_vel(message)
+        (self.node._on_stamped_cmd_vel if stamped else self.node._on_cmd_vel)(message)
         if refused:
             node = self.node
             assert before == (node._command, node._commanded_at, node._simulator.nanoseconds)

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from builtin_interfaces.msg import Time
 from fuzzy_msgs.msg import OccupancyGridUpdate
-from geometry_msgs.msg import Point, Pose, PoseStamped, Twist
+from geometry_msgs.msg import Point, Pose, PoseStamped, Twist, TwistStamped
 from nav_msgs.msg import OccupancyGrid
 from rcl_interfaces.msg import Parameter, ParameterValue
 from sensor_msgs.msg import JointState, Range
@@ -29,6 +29,7 @@ __all__ = [
     "point",
     "range_of",
     "stamped_pose",
+    "stamped_twist",
     "twist",
     "window",
     "window_info",
@@ -171,6 +172,13 @@ def twist(draw: Draw) -> Twist:
     if draw.one_in(8):
         draw.choice((message.linear, message.angular)).y = draw.float64()
     return message
+
+
+def stamped_twist(draw: Draw) -> TwistStamped:
+    """Return a velocity command with a stamp, mostly one of the base."""
+    return TwistStamped(
+        header=_header(draw, "base_link", draw.between(0.0, 2.0)), twist=twist(draw)
+    )
 
 
 def parameter(draw: Draw, names: Sequence[str]) -> Parameter:

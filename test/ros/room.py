@@ -9,11 +9,12 @@ from pathlib import Path
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PoseStamped, Twist
+from geometry_msgs.msg import PoseStamped, Twist, TwistStamped
 from std_srvs.srv import Trigger
 
 from fuzzy_map_building.ros import names, qos
 from fuzzy_map_building.ros.clock import seconds_from_stamp
+from fuzzy_map_building.ros.conversions import stamped_twist_to_msg
 from ros.harness import START_DEADLINE, Probe
 
 #: A room of 4 x 3 m in which a crate stands until the first perception has been taken.
@@ -89,15 +90,15 @@ def twist(linear: float = 0.0, angular: float = 0.0, lateral: float = 0.0) -> Tw
 
 
 class Answering:
-    """Answers every pose with one command, while it is asked to."""
+    """Answers every pose with one stamped command, while it is asked to."""
 
     def __init__(self, probe: Probe) -> None:
         self.answers: list[float] = []
         self.on = True
-        self._publisher = probe.publisher(Twist, names.CMD_VEL, qos.RELIABLE)
+        self._publisher = probe.publisher(TwistStamped, names.STAMPED_CMD_VEL, qos.RELIABLE)
         probe.node.create_subscription(PoseStamped, names.POSE, self._on_pose, qos.RELIABLE)
 
     def _on_pose(self, message: PoseStamped) -> None:
         if self.on:
             self.answers.append(stamp(message))
-            self._publisher.publish(twist(0.0, 0.5))
+            self._publisher.publish(stamped_twist_to_msg(stamp(message), 0.0, 0.5))

@@ -13,12 +13,14 @@ import pytest
 from action_msgs.msg import GoalStatus
 from fuzzy_msgs.action import Navigate
 from fuzzy_msgs.srv import PlanPath
-from geometry_msgs.msg import PoseStamped
+from geometry_msgs.msg import PoseStamped, TwistStamped
 from rcl_interfaces.srv import SetParameters
 from rclpy.action import ActionClient
 from rclpy.parameter import Parameter
+from rclpy.qos import QoSProfile
 
 from fuzzy_map_building.ros import names, qos
+from fuzzy_map_building.ros.clock import seconds_from_stamp
 from ros.harness import wait_until
 from ros.motion_scene import PARAMETERS, RESULT, Scene, goal_at, staged
 
@@ -87,6 +89,25 @@ def test_while_it_serves_a_goal_it_answers_every_pose_once_else_never(scene: Sce
     poses = len(robot.poses)
     wait_until(lambda: len(robot.poses) > poses + 50, "more poses")
     assert len(robot.commands) == count
+
+
+def test_stamped_commands_tell_which_pose_they_answer(scene: Scene) -> None:
+    stamped = scene.probe.subscribe(TwistStamped, names.STAMPED_CMD_VEL, QoSProfile(depth=1000))
+    poses = scene.probe.subscribe(PoseStamped, names.POSE, QoSProfile(depth=1000))
+    before = len(scene.robot.commands)
+    scene.result(scene.send(goal_at(1.5, 1.05)))
+    wait_until(lambda: len(stamped) == len(scene.robot.commands) - before, "the last command")
+    for message, (_, linear, angular) in zip(
+        stamped.messages, scene.robot.commands[before:], strict=True
+    ):
+        assert message.header.frame_id == "base_link"
+        assert (message.twist.linear.x, message.twist.angular.z) == (linear, angular)
+    answered = [seconds_from_stamp(m.header.stamp) for m in stamped.messages]
+    assert answered == sorted(answered)
+    came = {round(seconds_from_stamp(m.header.stamp), 6) for m in poses.messages}
+    # The first may answer a pose that came before anybody listened here.
+    assert {round(a, 6) for a in answered[1:]} <= came
+    assert len(set(answered)) > 20
 
 
 def test_the_stop_conditions_reach_the_feedback(scene: Scene) -> None:

@@ -10,19 +10,21 @@ from typing import Any
 
 import numpy as np
 import pytest
+from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticStatus
 from fuzzy_msgs.action import BuildMap
-from geometry_msgs.msg import Twist
+from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import OccupancyGrid, Odometry
 from rcl_interfaces.srv import GetParameters, SetParameters
 from rclpy.action import ActionServer
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Bool, Float64
+from std_msgs.msg import Bool, Float64, Header
 from std_srvs.srv import Trigger
 
 from fuzzy_map_building.ros import names, qos
+from fuzzy_map_building.ros.conversions import stamped_twist_to_msg
 from nomad_sim.simulator import Simulator
 from nomad_sim.world_io import parse_world
 from ros.harness import NodeProcess, Probe, wait_until
@@ -140,6 +142,34 @@ def test_bad_commands_move_nothing_and_are_counted(
 ) -> None:
     commands = robot.probe.publisher(Twist, names.CMD_VEL, qos.RELIABLE)
     before, key = robot.pose.last.pose, f"rejected.cmd_vel.{reason}"
+    count = int(robot.values().get(key, "0"))
+    commands.publish(message)
+    assert robot.values(lambda v: v.get(key) == str(count + 1))
+    robot.after(0.2)
+    assert robot.pose.last.pose == before
+
+
+def test_it_drives_by_stamped_commands_as_well(robot: Robot) -> None:
+    commands = robot.probe.publisher(TwistStamped, names.STAMPED_CMD_VEL, qos.RELIABLE)
+    odom = robot.probe.subscribe(Odometry, names.ODOM, QoSProfile(depth=2000))
+    commands.publish(stamped_twist_to_msg(robot.time, 0.3, 0.0))
+    odom.wait_for(lambda m: m.twist.twist.linear.x == pytest.approx(0.3))
+
+
+@pytest.mark.parametrize(
+    ("message", "reason"),
+    [
+        (stamped_twist_to_msg(1.0, math.nan, 0.0), "not_finite"),
+        (stamped_twist_to_msg(1.0, 6.1, 0.0), "absurd"),
+        (stamped_twist_to_msg(0.0, 0.1, 0.0), "no_stamp"),
+        (TwistStamped(header=Header(frame_id="map", stamp=Time(sec=1))), "wrong_frame"),
+    ],
+)
+def test_bad_stamped_commands_move_nothing_and_are_counted(
+    robot: Robot, message: TwistStamped, reason: str
+) -> None:
+    commands = robot.probe.publisher(TwistStamped, names.STAMPED_CMD_VEL, qos.RELIABLE)
+    before, key = robot.pose.last.pose, f"rejected.cmd_vel_stamped.{reason}"
     count = int(robot.values().get(key, "0"))
     commands.publish(message)
     assert robot.values(lambda v: v.get(key) == str(count + 1))

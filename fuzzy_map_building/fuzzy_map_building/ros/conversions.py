@@ -15,14 +15,14 @@ from typing import Final
 
 import numpy as np
 from builtin_interfaces.msg import Time
-from geometry_msgs.msg import Pose, PoseStamped, Quaternion, Twist
+from geometry_msgs.msg import Pose, PoseStamped, Quaternion, Twist, TwistStamped
 from nav_msgs.msg import Path
 from sensor_msgs.msg import JointState, Range
 from std_msgs.msg import Header
 
 from fuzzy_map_building.plain_yaml import shown
 from fuzzy_map_building.ros import names
-from fuzzy_map_building.ros.clock import seconds_from_stamp
+from fuzzy_map_building.ros.clock import seconds_from_stamp, stamp_from_seconds
 from fuzzy_map_building.types import Pose2
 
 __all__ = [
@@ -38,6 +38,8 @@ __all__ = [
     "pose_to_msg",
     "range_from_msg",
     "stamped_pose_from_msg",
+    "stamped_twist_from_msg",
+    "stamped_twist_to_msg",
     "twist_from_msg",
     "twist_to_msg",
 ]
@@ -289,3 +291,25 @@ def twist_from_msg(message: Twist, what: str = "velocity command") -> tuple[floa
             "not_planar", f"{what} moves along or about other axes than x and z: {other}"
         )
     return used
+
+
+def stamped_twist_to_msg(stamp: float, linear: float, angular: float) -> TwistStamped:
+    """Return the message of a velocity of the base that answers the pose of a stamp [s]."""
+    message = TwistStamped(twist=twist_to_msg(linear, angular))
+    message.header.frame_id = names.BASE_FRAME
+    message.header.stamp = stamp_from_seconds(stamp)
+    return message
+
+
+def stamped_twist_from_msg(
+    message: TwistStamped, what: str = "velocity command"
+) -> tuple[float, tuple[float, float]]:
+    """Return (stamp [s], (forward speed [m/s], turning rate [rad/s])).
+
+    Raises
+    ------
+    Refused
+        ``wrong_frame``, ``no_stamp``, ``negative_stamp`` or as `twist_from_msg`.
+    """
+    check_frame(message.header, names.BASE_FRAME, what)
+    return _stamp(message.header, what), twist_from_msg(message.twist, what)

@@ -32,6 +32,7 @@ CLOCK: Final = "/clock"
 
 # Topics to the robot.
 CMD_VEL: Final = "cmd_vel"
+STAMPED_CMD_VEL: Final = "cmd_vel_stamped"
 TURRET_COMMAND: Final = "turret/command"
 GOAL_POSE: Final = "goal_pose"
 

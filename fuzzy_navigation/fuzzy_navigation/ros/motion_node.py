@@ -3,7 +3,8 @@
 """The node ``fuzzy_motion``: carries the mission's commands out, one control tick a pose.
 
 The mission (`fuzzy_navigation.mission`) decides; this node tells it what has come and does
-what it says. While a mission runs each pose is answered by exactly one ``cmd_vel``.
+what it says. While a mission runs each pose is answered by one command of velocity, on
+``cmd_vel_stamped`` with the stamp of the pose and on ``cmd_vel`` without.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping
 from typing import Final
 
-from geometry_msgs.msg import PoseStamped, Twist
+from geometry_msgs.msg import PoseStamped, Twist, TwistStamped
 from rclpy.duration import Duration
 from rclpy.node import Node
 from sensor_msgs.msg import Range
@@ -30,6 +31,7 @@ from fuzzy_map_building.ros.conversions import (
     Refused,
     range_from_msg,
     stamped_pose_from_msg,
+    stamped_twist_to_msg,
     twist_to_msg,
 )
 from fuzzy_map_building.ros.diagnostics import Diagnostics
@@ -91,6 +93,8 @@ class MotionNode(Node):
         self._shared = shared_parameters(parameters)
         self._stale_parameters = False
         self._map: tuple[GridGeometry, float] | None = None  # and its stamp [s]
+        self._answered: float | None = None  # stamp of the pose that was acted on last [s]
+        self._last_pose = -math.inf
         self._last_tick = -math.inf
         self._last_report = -math.inf
         self._reported: tuple[object, ...] = ()
@@ -103,6 +107,9 @@ class MotionNode(Node):
         self._diagnostics = Diagnostics(self, values=self._values, problem=self._problem)
         self._settings.on_refusal = self._diagnostics.reject
         self._cmd_vel = self.create_publisher(Twist, names.CMD_VEL, qos.RELIABLE)
+        self._stamped_cmd_vel = self.create_publisher(
+            TwistStamped, names.STAMPED_CMD_VEL, qos.RELIABLE
+        )
         self._mapper = MapperClient(self, self._on_perception)
         self._planner = PlannerClient(
             self, self._on_plan, self._on_plan_error, lambda: self._shared
@@ -134,13 +141,14 @@ class MotionNode(Node):
 
     def on_fault(self) -> None:
         """Make the robot stand, whatever state this node is in; called when a callback raises."""
-        self._cmd_vel.publish(Twist())
+        self._drive(0.0, 0.0)
         self._cmd_vel.wait_for_all_acked(Duration(seconds=ACKNOWLEDGEMENT))
 
     # -- what comes -------------------------------------------------------------------------
 
     def _on_pose(self, message: PoseStamped) -> None:
         self._take_ranges()  # what was measured before belongs to this pose
+        self._last_pose = time.monotonic()
         try:
             stamp, pose = stamped_pose_from_msg(message)
             tick = self._ticks.on_pose(self._clock_time(), stamp, pose)
@@ -174,7 +182,7 @@ class MotionNode(Node):
         """Run one step of the control."""
         if tick is None:
             return
-        self._last_tick = time.monotonic()
+        self._answered, self._last_tick = tick.stamp, time.monotonic()
         self._counts["ticks" if tick.complete else "ticks.incomplete"] += 1
         now = self._time.at_pose(tick.stamp, now_seconds(self), self._last_tick)
         sonar = self._echoes.release() if self._echoes is not None else ()
@@ -213,7 +221,10 @@ class MotionNode(Node):
         """Let time pass, also when nothing comes."""
         self._mapper.watch()
         self._planner.watch()
-        if time.monotonic() - self._last_tick > SILENCE:
+        now = time.monotonic()
+        if now - self._last_pose > SILENCE:
+            self._act(self._ticks.overdue())
+        if now - self._last_tick > SILENCE:
             self._carry_out(self._mission.on_tick(self._now()))
 
     def _listen(self, parameters: MotionParameters) -> None:
@@ -273,7 +284,7 @@ class MotionNode(Node):
     def _carry_out(self, commands: Commands) -> None:
         for command in commands:
             if isinstance(command, Drive):
-                self._cmd_vel.publish(twist_to_msg(command.linear, command.angular))
+                self._drive(command.linear, command.angular)
             elif isinstance(command, Perceive):
                 self._mapper.ask(command.request, self._settings.values.timeout.server)
             elif isinstance(command, Plan):
@@ -282,6 +293,12 @@ class MotionNode(Node):
             else:
                 self._finish(command)
         self._report()
+
+    def _drive(self, linear: float, angular: float) -> None:
+        self._cmd_vel.publish(twist_to_msg(linear, angular))
+        if self._answered is not None:
+            stamped = stamped_twist_to_msg(self._answered, linear, angular)
+            self._stamped_cmd_vel.publish(stamped)
 
     def _finish(self, finish: Finish) -> None:
         self._mapper.cancel()

@@ -69,8 +69,9 @@ class SimulationParameters(SimulatorParameters):
     )
     lockstep: bool = parameter(
         False,
-        doc="whether, while somebody commands velocities, each tick waits for the command that "
-        "answers the one before, so that a slow machine controls the robot as a fast one does",
+        doc="whether, while somebody commands by 'cmd_vel_stamped', each tick waits for the "
+        "command with the stamp of the last pose, so that a slow machine controls the robot as a "
+        "fast one does",
     )
     lockstep_timeout: float = parameter(
         1.0,

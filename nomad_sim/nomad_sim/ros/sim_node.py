@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The node ``nomad_sim``: the simulated robot and its world.
 
-It gives the time (``/clock``), tells what the sensors measure, and obeys ``cmd_vel`` and
-``turret/command``. A tick is 0.05 s of simulated time. How the ticks follow each other in
-wall time is decided by `TickGate`: parameters ``rate``, ``lockstep``, ``lockstep_timeout``.
+It gives the time (``/clock``), tells what the sensors measure, and obeys ``cmd_vel``, the same
+with a stamp (``cmd_vel_stamped``), and ``turret/command``. A tick is 0.05 s of simulated time.
+How the ticks follow each other in wall time is decided by `TickGate`: parameters ``rate``,
+``lockstep``, ``lockstep_timeout``.
 
 Obstacles that come and go with the number of perceptions need that number. Everybody who
 listens to an action's status sees its goals succeed, so a completed ``build_map`` is
@@ -25,7 +26,7 @@ from typing import Final
 
 import numpy as np
 from action_msgs.msg import GoalStatus, GoalStatusArray
-from geometry_msgs.msg import Twist
+from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import OccupancyGrid
 from numpy.typing import NDArray
 from rclpy.node import Node
@@ -35,7 +36,11 @@ from std_srvs.srv import Trigger
 
 from fuzzy_map_building.ros import names, qos
 from fuzzy_map_building.ros.clock import create_steady_timer, seconds_from_stamp
-from fuzzy_map_building.ros.conversions import Refused, twist_from_msg
+from fuzzy_map_building.ros.conversions import (
+    Refused,
+    stamped_twist_from_msg,
+    twist_from_msg,
+)
 from fuzzy_map_building.ros.diagnostics import Diagnostics
 from fuzzy_map_building.ros.map_conversions import grid_to_msg
 from fuzzy_map_building.ros.parameters import declare_parameters
@@ -45,7 +50,7 @@ from nomad_sim.ros.params import EPOCH, SimulationParameters, simulation_paramet
 from nomad_sim.ros.sensor_publishers import SensorPublishers, stamp_of
 from nomad_sim.ros.tick_gate import TickGate
 from nomad_sim.simulator import Simulator
-from nomad_sim.telemetry import telemetry_of
+from nomad_sim.telemetry import Telemetry, telemetry_of
 from nomad_sim.world_io import load_world
 
 __all__ = ["TICK", "SimNode", "main"]
@@ -99,6 +104,9 @@ class SimNode(Node):
         )
         self._publish_truth()
         self.create_subscription(Twist, names.CMD_VEL, self._on_cmd_vel, qos.RELIABLE)
+        self.create_subscription(
+            TwistStamped, names.STAMPED_CMD_VEL, self._on_stamped_cmd_vel, qos.RELIABLE
+        )
         self.create_subscription(Float64, names.TURRET_COMMAND, self._on_turret, qos.RELIABLE)
         self.create_subscription(
             GoalStatusArray,
@@ -125,8 +133,8 @@ class SimNode(Node):
         """Take the next tick if it is due."""
         now = time.monotonic()
         if self._gate.wait(now) == 0.0:
-            self._tick()
-            self._gate.ticked(now)
+            told = self._tick()
+            self._gate.ticked(now, self._asked(told))
         self._arm()
 
     def _arm(self) -> None:
@@ -135,7 +143,7 @@ class SimNode(Node):
         self._timer.timer_period_ns = max(1, round(wait * 1e9))
         self._timer.reset()
 
-    def _tick(self) -> None:
+    def _tick(self) -> Telemetry:
         simulator = self._simulator
         age = 1e-9 * (simulator.nanoseconds - self._commanded_at)
         if age >= TICK and age + TICK > self._patience:
@@ -146,6 +154,11 @@ class SimNode(Node):
         self._sensors.publish(simulator, told, self._epoch)
         if self._world.moving and simulator.nanoseconds - self._truth_at >= TRUTH_PERIOD:
             self._publish_truth()
+        return told
+
+    def _asked(self, told: Telemetry) -> float | None:
+        """Return the stamp of the newest pose that was told [s]; None if none was."""
+        return max((1e-9 * self._epoch + p.stamp for p in told.pose), default=None)
 
     @property
     def _patience(self) -> float:
@@ -171,16 +184,22 @@ class SimNode(Node):
 
     def _on_cmd_vel(self, message: Twist) -> None:
         try:
-            self._command = self._possible(*twist_from_msg(message))
+            self._obey(*twist_from_msg(message))
         except Refused as refusal:
             self._diagnostics.reject(names.CMD_VEL, refusal.reason, str(refusal))
+
+    def _on_stamped_cmd_vel(self, message: TwistStamped) -> None:
+        try:
+            stamp, command = stamped_twist_from_msg(message)
+            self._obey(*command)
+        except Refused as refusal:
+            self._diagnostics.reject(names.STAMPED_CMD_VEL, refusal.reason, str(refusal))
             return
-        self._commanded_at = self._simulator.nanoseconds
-        self._gate.commanded(time.monotonic())
+        self._gate.answered(time.monotonic(), stamp)
         self._advance()
 
-    def _possible(self, linear: float, angular: float) -> tuple[float, float]:
-        """Return a command that somebody may have meant; the drives cut it to their limits."""
+    def _obey(self, linear: float, angular: float) -> None:
+        """Take a command that somebody may have meant; the drives cut it to their limits."""
         robot = self._simulator.parameters.robot
         if abs(linear) > ABSURD * robot.max_linear or abs(angular) > ABSURD * robot.max_angular:
             raise Refused(
@@ -189,7 +208,8 @@ class SimNode(Node):
                 f"limits of {robot.max_linear:g} m/s and {robot.max_angular:.3g} rad/s more than "
                 f"{ABSURD:g} times; are the units right?",
             )
-        return linear, angular
+        self._command = (linear, angular)
+        self._commanded_at = self._simulator.nanoseconds
 
     def _on_turret(self, message: Float64) -> None:
         try:

@@ -2,33 +2,23 @@
 # SPDX-License-Identifier: Apache-2.0
 """When the simulator may take its next tick: the pace of the wall clock, and the lockstep.
 
-In lockstep a tick waits for the velocity command that answers the tick before it. Which
-tick a command answers cannot be read from it, and whoever commands may have a backlog of
-ticks when he begins. So the two sides are brought into step once: after the first command
-the ticks pause until no further command has come for `SETTLE_TIME`; from then on there is
-one command for one tick.
+In lockstep a tick waits for the velocity command that answers the pose of the tick before it:
+the one with the pose's stamp. Commands to older poses, of which whoever commands may have a
+backlog, and commands that answer nothing let no tick pass.
 
 Pure logic: wall time comes as an argument and is only compared.
 """
 
 from __future__ import annotations
 
-import enum
 from typing import Final
 
-__all__ = ["BACKLOG", "SETTLE_TIME", "TickGate"]
+__all__ = ["BACKLOG", "TickGate"]
 
-#: Silence after which a commander is taken to have no backlog any more [s].
-SETTLE_TIME: Final = 0.2
 #: Delay behind the pace up to which ticks are made up for; beyond it they are given up [s].
 BACKLOG: Final = 0.25
-
-
-class _State(enum.Enum):
-    FREE = enum.auto()  # no command is waited for
-    SETTLING = enum.auto()  # the first command has come; those to older ticks may follow
-    WAITING = enum.auto()  # a tick is taken, its answer is not there
-    ANSWERED = enum.auto()
+#: Stamps that differ by less are of the same pose [s]: they pass through floating point.
+SAME: Final = 1e-3
 
 
 class TickGate:
@@ -43,7 +33,7 @@ class TickGate:
     lockstep : bool
         Whether ticks wait for commands.
     timeout : float
-        Longest wait for a command, and for silence at the beginning [s of wall time].
+        Longest wait for a command [s of wall time].
 
     Attributes
     ----------
@@ -58,8 +48,9 @@ class TickGate:
     ) -> None:
         self.timeouts = 0
         self.dropped = 0.0
-        self._state = _State.FREE
-        self._since = self._last_command = now
+        self._engaged = False
+        self._asked: float | None = None  # stamp of the pose whose answer is not there
+        self._since = now
         self.configure(now, period, lockstep, timeout)
 
     def configure(self, now: float, period: float, lockstep: bool, timeout: float) -> None:
@@ -74,19 +65,18 @@ class TickGate:
     @property
     def engaged(self) -> bool:
         """Whether ticks wait for commands now."""
-        return self._state is not _State.FREE
+        return self._engaged
 
     def disengage(self) -> None:
         """Wait for no command until the next one has come."""
-        self._state = _State.FREE
+        self._engaged = False
 
-    def commanded(self, now: float) -> None:
-        """Take note of a command at wall time `now` [s]."""
-        self._last_command = now
-        if self._state is _State.WAITING:
-            self._state = _State.ANSWERED
-        elif self._state is _State.FREE and self._lockstep:
-            self._state = _State.SETTLING
+    def answered(self, now: float, stamp: float) -> None:
+        """Take note, at wall time `now`, of a command that answers the pose of a stamp [s]."""
+        if self._asked is not None and abs(stamp - self._asked) < SAME:
+            self._asked = None
+        if self._lockstep and not self._engaged:
+            self._engaged = True
             self._since = now
 
     def wait(self, now: float) -> float:
@@ -94,20 +84,25 @@ class TickGate:
 
         A wait for a command that has lasted too long ends here.
         """
-        until = self._due
-        if self._state is _State.WAITING:
+        if self._engaged and self._asked is not None:
             left = self._since + self._timeout - now
             if left > 0.0:
                 return left
             self.timeouts += 1
             self.disengage()
-        elif self._state is _State.SETTLING:
-            silence = self._last_command + SETTLE_TIME
-            until = max(until, min(silence, self._since + self._timeout))
-        return max(0.0, until - now)
+        return max(0.0, self._due - now)
 
-    def ticked(self, now: float) -> None:
-        """Take note of a tick at wall time `now` [s]."""
+    def ticked(self, now: float, asked: float | None) -> None:
+        """Take note of a tick at wall time `now` [s].
+
+        Parameters
+        ----------
+        now : float
+            When it was taken [s].
+        asked : float or None
+            Stamp of the newest pose that was told with it [s]; None if none was: then there is
+            nothing to answer.
+        """
         self._due += self._period
         behind = now - self._due
         if self._period == 0.0:
@@ -115,6 +110,5 @@ class TickGate:
         elif behind > BACKLOG:
             self.dropped += behind
             self._due = now
-        if self._state is not _State.FREE:
-            self._state = _State.WAITING
-            self._since = now
+        self._asked = asked
+        self._since = now

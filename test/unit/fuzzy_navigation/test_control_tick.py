@@ -57,6 +57,23 @@ def test_without_sensors_each_pose_is_a_tick() -> None:
     assert due(ticks.on_pose(1.0, 1.0, pose_at(1.0))) == (1.0, True)
 
 
+def test_a_pose_waits_for_no_ranges_once_it_is_overdue() -> None:
+    ticks = ControlTicks(BEARINGS)
+    assert ticks.overdue() is None
+    assert ticks.on_pose(1.0, 1.0, pose_at(1.0)) is None
+    feed(ticks, 1.0, (0, 2))
+    tick = ticks.overdue()
+    assert due(tick) == (1.0, False)
+    assert tick is not None
+    assert [r.sensor for r in tick.readings] == [0, 2]
+    assert ticks.overdue() is None
+    # What comes too late belongs to the next tick.
+    assert feed(ticks, 1.0, (1,)) == [None]
+    assert ticks.on_pose(1.1, 1.1, pose_at(1.1)) is None
+    last = feed(ticks, 1.1, range(3))[-1]
+    assert due(last) == (1.1, True)
+
+
 def test_a_silent_sensor_delays_the_tick_to_the_next_pose_at_the_latest() -> None:
     ticks = ControlTicks(BEARINGS)
     ticks.on_pose(1.0, 1.0, pose_at(1.0))
