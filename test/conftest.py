@@ -4,6 +4,7 @@
 
 import contextlib
 import os
+import signal
 from pathlib import Path
 
 import hypothesis
@@ -24,6 +25,10 @@ def pytest_configure(config: pytest.Config) -> None:
     patch.setenv("ROS_PYTHON_CHECK_FIELDS", "1")
     # Pictures are written to files; no test needs a screen.
     patch.setenv("MPLBACKEND", "Agg")
+    # A shell that starts the tests in its background lets them ignore interrupts, and whatever
+    # they start inherits that.
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     reserved = contextlib.ExitStack()
     config.add_cleanup(reserved.close)
     patch.setenv("ROS_DOMAIN_ID", str(reserved.enter_context(reserved_domain())))
