@@ -25,7 +25,7 @@ setup(
         "console_scripts": [
             "planner = fuzzy_navigation.ros.entry:planner",
             "motion = fuzzy_navigation.ros.entry:motion",
-            "bringup = fuzzy_navigation.ros.bringup:main",
+            "bringup = fuzzy_navigation.ros.entry:bringup",
         ],
     },
 )

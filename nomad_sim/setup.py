@@ -25,8 +25,8 @@ setup(
     entry_points={
         "console_scripts": [
             "sim = nomad_sim.ros.entry:sim",
-            "demo = nomad_sim.ros.demo:main",
-            "campaign = nomad_sim.campaign:main",
+            "demo = nomad_sim.ros.entry:demo",
+            "campaign = nomad_sim.ros.entry:campaign",
         ],
     },
 )

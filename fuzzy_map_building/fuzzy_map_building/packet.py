@@ -41,6 +41,8 @@ class ReadingAssembler:
     rejected, infrared_rejected : dict of str to int
         Ranges of sonars and of infrareds given up, by reason: ``future``, ``duplicate``,
         ``out_of_order``, ``no_pose``, ``no_turret``, ``overflow``.
+    examples, infrared_examples : dict of str to str
+        The range given up last, in words, by reason.
     """
 
     def __init__(self, parameters: MapperParameters) -> None:
@@ -54,6 +56,8 @@ class ReadingAssembler:
         self._infrared = _Ring("infrared sensor", parameters.infrared.bearings, None, p)
         self.rejected = self._sonar.rejected
         self.infrared_rejected = self._infrared.rejected
+        self.examples = self._sonar.examples
+        self.infrared_examples = self._infrared.examples
 
     @property
     def waiting(self) -> int:
@@ -69,15 +73,15 @@ class ReadingAssembler:
 
     def add_pose(self, stamp: float, pose: Pose2, now: float) -> bool:
         """Take a pose of the robot; False if it was refused (counted in ``poses``)."""
-        return _in_time(stamp, now, self._limits, self.poses.rejected) and self.poses.add(
-            stamp, pose
-        )
+        if stamp - now > self._limits.future_tolerance:
+            return self.poses.refuse("future", _ahead(stamp, now))
+        return self.poses.add(stamp, pose)
 
     def add_turret(self, stamp: float, angle: float, now: float) -> bool:
         """Take an angle of the turret [rad]; False if refused (counted in ``turret``)."""
-        return _in_time(stamp, now, self._limits, self.turret.rejected) and self.turret.add(
-            stamp, angle
-        )
+        if stamp - now > self._limits.future_tolerance:
+            return self.turret.refuse("future", _ahead(stamp, now))
+        return self.turret.add(stamp, angle)
 
     def add_range(self, sensor: int, stamp: float, value: float, now: float) -> bool:
         """Take a sonar's range.
@@ -136,6 +140,7 @@ class _Ring:
         self._arrivals = 0
         self._last: dict[int, float] = {}
         self.rejected: dict[str, int] = {}
+        self.examples: dict[str, str] = {}
 
     def __len__(self) -> int:
         return len(self._waiting)
@@ -154,13 +159,14 @@ class _Ring:
             raise ValueError(
                 f"the stamp of a range of {self._kind} {sensor} must be finite, got {stamp}"
             )
-        if not _in_time(stamp, now, self._limits, self.rejected):
-            return False
+        if stamp - now > self._limits.future_tolerance:
+            return self._reject("future", sensor, _ahead(stamp, now))
         last = self._last.get(sensor, -math.inf)
         if stamp <= last:
-            return self._reject("duplicate" if stamp == last else "out_of_order")
+            reason = "duplicate" if stamp == last else "out_of_order"
+            return self._reject(reason, sensor, f"stamped {stamp:.3f} s, after {last:.3f} s")
         if len(self._waiting) >= _MAX_WAITING:
-            return self._reject("overflow")
+            return self._reject("overflow", sensor, f"stamped {stamp:.3f} s")
         self._last[sensor] = stamp
         heapq.heappush(self._waiting, (stamp, self._arrivals, sensor, value))
         self._arrivals += 1
@@ -185,25 +191,27 @@ class _Ring:
             else:
                 overdue = now - stamp > self._limits.pose_timeout
                 if pose is None and (overdue or poses.missed(stamp)):
-                    self._reject("no_pose")
+                    self._reject("no_pose", sensor, _unplaced(stamp, now, poses.newest))
                 elif angle is None and (
                     overdue or (self._turret is not None and self._turret.missed(stamp))
                 ):
-                    self._reject("no_turret")
+                    newest = self._turret.newest if self._turret is not None else None
+                    self._reject("no_turret", sensor, _unplaced(stamp, now, newest))
                 else:
                     break  # whatever comes later waits for the same samples
             heapq.heappop(self._waiting)
         return released
 
-    def _reject(self, reason: str) -> bool:
+    def _reject(self, reason: str, sensor: int, example: str) -> bool:
         self.rejected[reason] = self.rejected.get(reason, 0) + 1
+        self.examples[reason] = f"{self._kind} {sensor} {example}"
         return False
 
 
-def _in_time(
-    stamp: float, now: float, limits: PerceptionParameters, counts: dict[str, int]
-) -> bool:
-    if stamp - now > limits.future_tolerance:
-        counts["future"] = counts.get("future", 0) + 1
-        return False
-    return True
+def _ahead(stamp: float, now: float) -> str:
+    return f"stamped {stamp:.3f} s, {stamp - now:.3f} s ahead of the clock"
+
+
+def _unplaced(stamp: float, now: float, newest: float | None) -> str:
+    came = "none" if newest is None else f"{newest:.3f} s"
+    return f"stamped {stamp:.3f} s, the clock being at {now:.3f} s, the newest of them at {came}"

@@ -100,14 +100,24 @@ def parameter(
     return dataclasses.field(default=default, metadata={_KEY: info})
 
 
-def suggest(name: str, known: typing.Iterable[str]) -> str:
-    """Return '; did you mean ...?' for a misspelt name, or the list of known names."""
+def suggest(name: str, known: typing.Iterable[str], *, told: bool = False) -> str:
+    """Return '; did you mean ...?' for a misspelt name, or the list of known names.
+
+    Parameters
+    ----------
+    name : str
+        The name that is not known.
+    known : iterable of str
+        Those that are.
+    told : bool
+        Whether the message lists the known names already: then nothing is listed.
+    """
     names = sorted(known)
     # A longer one is no misspelt name, and to compare it takes long.
     close = difflib.get_close_matches(name[:100], names, n=1, cutoff=0.6)
     if close:
         return f"; did you mean '{close[0]}'?"
-    return f"; known names: {', '.join(names)}"
+    return "" if told else f"; known names: {', '.join(names)}"
 
 
 @functools.cache
@@ -193,7 +203,7 @@ def _checked_scalar(info: ParameterInfo, value: Any) -> Any:
     if info.maximum is not None and value > info.maximum:
         raise ParameterError(f"{name} must be at most {info.maximum}{unit}, got {shown(value)}")
     if info.choices and value not in info.choices:
-        hint = suggest(str(value), [str(c) for c in info.choices])
+        hint = suggest(str(value), [str(c) for c in info.choices], told=True)
         raise ParameterError(
             f"{name} must be one of {', '.join(map(str, info.choices))}, got {shown(value)}{hint}"
         )

@@ -46,6 +46,8 @@ class StampedBuffer(ABC, Generic[T]):
         self._values: list[T] = []
         #: Samples refused, by reason: ``not_finite``, ``duplicate``, ``out_of_order``.
         self.rejected: dict[str, int] = {}
+        #: The sample refused last, in words, by reason.
+        self.examples: dict[str, str] = {}
 
     def __len__(self) -> int:
         """Return the number of samples kept."""
@@ -70,10 +72,11 @@ class StampedBuffer(ABC, Generic[T]):
             False if it was refused, which is counted in `rejected`.
         """
         if not (math.isfinite(stamp) and self._finite(value)):
-            return self._refuse("not_finite")
+            return self.refuse("not_finite", f"stamped {stamp} s with {value}")
         newest = self.newest
         if newest is not None and stamp <= newest:
-            return self._refuse("duplicate" if stamp == newest else "out_of_order")
+            reason = "duplicate" if stamp == newest else "out_of_order"
+            return self.refuse(reason, f"stamped {stamp:.3f} s, after {newest:.3f} s")
         self._stamps.append(stamp)
         self._values.append(value)
         # Dropped half by half, so that a sample costs constant time on average.
@@ -105,8 +108,10 @@ class StampedBuffer(ABC, Generic[T]):
         newest = self.newest
         return newest is not None and stamp <= newest and self.at(stamp) is None
 
-    def _refuse(self, reason: str) -> bool:
+    def refuse(self, reason: str, example: str) -> bool:
+        """Count a sample that cannot be taken, for which `example` stands, and return False."""
         self.rejected[reason] = self.rejected.get(reason, 0) + 1
+        self.examples[reason] = example
         return False
 
     @abstractmethod

@@ -160,11 +160,12 @@ class ControlTicks:
             raise ValueError(
                 f"the ring has infrared sensors 0 to {len(self._bearings) - 1}, got {sensor}"
             )
-        _check_future(now, stamp, "infrared range")
+        what = f"range of infrared sensor {sensor}"
+        _check_future(now, stamp, what)
         before = self._newest.get(sensor)
         late = before is not None and stamp <= before[0]
         if late and not _begins_anew(now, self._range_came[sensor]):
-            raise _late(stamp, self._newest[sensor][0], "infrared range")
+            raise _late(stamp, self._newest[sensor][0], what)
         self._newest[sensor] = (stamp, distance)
         self._range_came[sensor] = now
         self._unused.add(sensor)
@@ -219,11 +220,18 @@ def _check_future(now: float, stamp: float, what: str) -> None:
         raise Untimely(
             "future",
             f"{what} is stamped {stamp:.3f} s, {stamp - now:.3f} s ahead of the clock: "
-            "synchronise the clocks",
+            "synchronise the clocks; is use_sim_time set alike?",
         )
 
 
 def _late(stamp: float, newest: float, what: str) -> Untimely:
     if stamp == newest:
-        return Untimely("duplicate", f"{what} of {stamp:.3f} s came twice")
-    return Untimely("out_of_order", f"{what} of {stamp:.3f} s came after that of {newest:.3f} s")
+        return Untimely(
+            "duplicate",
+            f"{what} of {stamp:.3f} s came twice: are there two publishers, or does one repeat "
+            "its stamps?",
+        )
+    return Untimely(
+        "out_of_order",
+        f"{what} of {stamp:.3f} s came after that of {newest:.3f} s: are there two publishers?",
+    )

@@ -84,7 +84,7 @@ class Mission(MissionState):
         if self._area and (refusal := verdicts.outside(self._record, self._area.geometry)):
             commands += self._finish(refusal)
         elif self._pose_age() > self._p.timeout.pose:
-            self._hold.begin(self._time.elapsed, "no pose yet")
+            self._hold.begin(self._time.elapsed, "no pose has come yet: is 'pose' published?")
         else:
             commands += self._set_out()
         return tuple(commands)

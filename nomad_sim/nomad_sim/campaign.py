@@ -160,7 +160,7 @@ def _replay(options: Options) -> int:
 
 
 @contextmanager
-def _terminable() -> Iterator[None]:
+def _stopped_by_signals() -> Iterator[None]:
     """Leave on SIGTERM as on Ctrl-C, with everything cleaned up."""
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -179,13 +179,17 @@ def _terminable() -> Iterator[None]:
         again.daemon = True
         again.start()
 
-    before, hook = signal.signal(signal.SIGTERM, leave), sys.unraisablehook
+    handlers = {signal.SIGTERM: leave, signal.SIGINT: signal.default_int_handler}
+    before, hook = {number: signal.getsignal(number) for number in handlers}, sys.unraisablehook
     sys.unraisablehook = lost
     try:
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
         yield
     finally:
+        for number, previous in before.items():
+            signal.signal(number, previous)
         sys.unraisablehook = hook
-        signal.signal(signal.SIGTERM, before)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -201,16 +205,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     int
         Exit code.
     """
-    with _terminable():
-        try:
+    try:
+        with _stopped_by_signals():
             options = parse_options(arguments)
             return _replay(options) if options.replay else _run(options)
-        except KeyboardInterrupt:
-            print(f"{PROGRAM}: interrupted", file=sys.stderr)
-            return _INTERRUPTED
-        except (ValueError, OSError) as error:
-            print(f"{PROGRAM}: {error}", file=sys.stderr)
-            return 2
+    except KeyboardInterrupt:
+        print(f"{PROGRAM}: interrupted", file=sys.stderr)
+        return _INTERRUPTED
+    except (ValueError, OSError) as error:
+        print(f"{PROGRAM}: {error}", file=sys.stderr)
+        return 2
 
 
 if __name__ == "__main__":

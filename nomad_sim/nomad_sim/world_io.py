@@ -43,6 +43,7 @@ from numpy.typing import NDArray
 from fuzzy_map_building.parameter_schema import suggest
 from fuzzy_map_building.types import Pose2
 from nomad_sim.params import simulator_parameters
+from nomad_sim.places import check_places
 from nomad_sim.world import MATERIALS, Circle, Material, MovingObstacle, Polygon, Wall, World
 from nomad_sim.yaml_document import (
     MAX_BYTES,
@@ -260,6 +261,8 @@ def _world(document: Node) -> World:
     corners = sum(len(o.points) for o in outlines if not isinstance(o, Circle))
     if corners > MAX_CORNERS:
         raise WorldError(f"the world: {corners} corners are more than the {MAX_CORNERS} allowed")
+    # Refuses also what crosses too often.
+    check_places(world, simulator_parameters(world_overrides=world.parameters).robot.radius)
     return world
 
 
@@ -272,15 +275,13 @@ def parse_world(text: str) -> World:
         Naming the place in the text, what is wrong there and what is expected.
     """
     try:
-        world = _world(read_document(text))
-        world.surfaces()  # refuses what crosses too often
+        return _world(read_document(text))
     except RecursionError as error:
         raise WorldError("the parameters are nested too deeply") from error
     except WorldError:
         raise
     except ValueError as error:
         raise WorldError(str(error)) from error
-    return world
 
 
 def worlds_folder() -> Path:

@@ -18,7 +18,7 @@ from sensor_msgs.msg import JointState, Range
 
 from fuzzy_map_building.grid import GridGeometry, Window
 from fuzzy_map_building.map_follower import MapWindow
-from fuzzy_map_building.ros import conversions, map_conversions
+from fuzzy_map_building.ros import conversions, map_conversions, names
 from fuzzy_map_building.ros.clock import seconds_from_stamp, stamp_from_seconds
 from fuzzy_map_building.ros.conversions import RangeSample, Refused
 from fuzzy_map_building.types import Pose2
@@ -146,6 +146,18 @@ def test_ranges_that_are_refused(reason: str, spoil: Callable[[Range], None]) ->
     )
     assert refused.reason == reason
     assert str(refused).startswith("sonar")
+
+
+@pytest.mark.parametrize("topic", [names.SONAR, names.INFRARED])
+def test_a_refused_range_names_the_parameter_in_full(topic: str) -> None:
+    message = range_message()
+    wide = math.radians(12.5)
+    seen = refusal(lambda: conversions.range_from_msg(message, FRAMES, wide, topic))
+    assert f"'{topic}.field_of_view'" in str(seen)
+    message.header.frame_id = "front"
+    refused = refusal(lambda: conversions.range_from_msg(message, FRAMES, None, topic))
+    assert str(refused).startswith(f"{topic} range from frame 'front', which is none of")
+    assert f"name it in the parameter '{topic}.frame_ids'" in str(refused)
 
 
 def test_joint_position() -> None:

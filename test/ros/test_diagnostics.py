@@ -13,6 +13,10 @@ from fuzzy_map_building.ros import names, qos
 from fuzzy_map_building.ros.diagnostics import Diagnostics
 from ros.harness import Probe, Received
 
+#: What the core tells of its refusals, and what is said of them.
+SHOWN = {"late": "sonar 3 stamped 2.000 s", "nan": "sonar 4 stamped 2.100 s"}
+TOLD = {"late": "too late for a pose", "nan": "faulty"}
+
 
 class Bench:
     def __init__(self, probe: Probe) -> None:
@@ -79,12 +83,13 @@ def test_a_problem_warns_as_long_as_it_lasts(bench: Bench) -> None:
 
 def test_counters_of_the_core_are_followed(bench: Bench) -> None:
     totals = {"late": 2}
-    bench.diagnostics.follow("sonar", totals)
-    bench.diagnostics.follow("sonar", totals)
+    bench.diagnostics.follow("sonar", totals, TOLD, SHOWN)
+    bench.diagnostics.follow("sonar", totals, TOLD, SHOWN)
     totals["late"] = 5
     totals["nan"] = 1
-    bench.diagnostics.follow("sonar", totals, {"nan": "faulty"})
+    bench.diagnostics.follow("sonar", totals, TOLD, SHOWN)
     assert bench.diagnostics.total("sonar") == 6
+    assert bench.status().message.endswith("last: sonar: sonar 4 stamped 2.100 s: faulty")
     # A counter of a new object begins at nothing.
-    bench.diagnostics.follow("sonar", {"late": 1})
+    bench.diagnostics.follow("sonar", {"late": 1}, TOLD, SHOWN)
     assert bench.diagnostics.total("sonar") == 7

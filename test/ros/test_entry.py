@@ -1,6 +1,6 @@
 # Copyright 2026 The fuzzy navigation maintainers
 # SPDX-License-Identifier: Apache-2.0
-"""A signal while a node is still importing what it needs ends it cleanly as well."""
+"""A signal while a program is still importing what it needs ends it cleanly as well."""
 
 from __future__ import annotations
 
@@ -8,13 +8,22 @@ import signal
 import subprocess
 import sys
 import time
+from importlib.metadata import entry_points
+from pathlib import Path
 
 import pytest
 
-EXECUTABLES = {
+STUDIES = Path(__file__).resolve().parents[1] / "studies"
+NODES = {
     "fuzzy_map_building": "mapper",
     "fuzzy_navigation": "planner",
     "nomad_sim": "sim",
+}
+#: Programs that are no nodes, with the exit codes of SIGINT and SIGTERM.
+TOOLS = {
+    "fuzzy_navigation": ("bringup", 0, 0),
+    "nomad_sim": ("demo", 130, 130),
+    "nomad_sim.ros": ("campaign", 130, 143),
 }
 # The signals are taken over before anything slow is imported: the word comes right after that.
 SCRIPT = """
@@ -25,18 +34,35 @@ def told(name):
     print("begun", flush=True)
     return take_over(name)
 entry.importlib = type("Importer", (), {"import_module": staticmethod(told)})
-executable = getattr(importlib.import_module(sys.argv[1] + ".ros.entry"), sys.argv[2])
+package = sys.argv[1].removesuffix(".ros")
+executable = getattr(importlib.import_module(package + ".ros.entry"), sys.argv[2])
 del sys.argv[1:]
 sys.exit(executable())
 """
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-@pytest.mark.parametrize("package", EXECUTABLES)
-@pytest.mark.parametrize("delay", [0.0, 0.3, 0.8])
-def test_a_signal_during_the_imports(package: str, number: signal.Signals, delay: float) -> None:
+# Says when a study has taken the signals over, and whether something slow came before.
+STUDY = """
+import runpy, signal, sys
+sys.path.insert(0, sys.argv[1])
+take_over = signal.signal
+def told(number, handler):
+    before = take_over(number, handler)
+    if number == signal.SIGTERM:
+        slow = {"numpy", "matplotlib", "scipy"} & sys.modules.keys()
+        print("late" if slow else "begun", flush=True)
+    return before
+signal.signal = told
+runpy.run_path(sys.argv[1] + "/" + sys.argv[2], run_name="__main__")
+"""
+
+
+def end_of(
+    script: str, arguments: list[str], delay: float, number: signal.Signals
+) -> tuple[int, str]:
+    """Return exit code and errors of a program that gets a signal [s] after it has begun."""
     process = subprocess.Popen(
-        [sys.executable, "-c", SCRIPT, package, EXECUTABLES[package]],
+        [sys.executable, "-c", script, *arguments],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -46,5 +72,47 @@ def test_a_signal_during_the_imports(package: str, number: signal.Signals, delay
     time.sleep(delay)
     process.send_signal(number)
     _, errors = process.communicate(timeout=30.0)
-    assert process.returncode == 0, errors
-    assert "Traceback" not in errors
+    return process.returncode, errors
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("package", NODES)
+@pytest.mark.parametrize("delay", [0.0, 0.3, 0.8])
+def test_a_signal_during_the_imports(package: str, number: signal.Signals, delay: float) -> None:
+    code, errors = end_of(SCRIPT, [package, NODES[package]], delay, number)
+    assert code == 0, errors
+    assert "Traceback" not in errors  # a node that is up says so there
+
+
+@pytest.mark.parametrize("package", TOOLS)
+@pytest.mark.parametrize("delay", [0.0, 0.5])
+def test_a_signal_to_a_tool_that_has_not_begun(package: str, delay: float) -> None:
+    tool, interrupted, terminated = TOOLS[package]
+    for number, code in ((signal.SIGINT, interrupted), (signal.SIGTERM, terminated)):
+        assert end_of(SCRIPT, [package, tool], delay, number) == (code, "")
+
+
+def test_every_executable_begins_where_signals_are_minded() -> None:
+    packages = {name.partition(".")[0] for name in NODES}
+    begins = {
+        e.name: e.value
+        for e in entry_points(group="console_scripts")
+        if e.value.partition(".")[0] in packages
+    }
+    assert begins.keys() >= {"mapper", "planner", "motion", "bringup", "sim", "demo", "campaign"}
+    for name, place in begins.items():
+        assert place == f"{place.partition('.')[0]}.ros.entry:{name}"
+
+
+@pytest.mark.parametrize("study", ["figure8.py", "faults.py"])
+def test_a_signal_to_a_study_that_has_not_begun(study: str) -> None:
+    arguments = [str(STUDIES), study]
+    assert end_of(STUDY, arguments, 0.2, signal.SIGINT) == (130, "")
+    assert end_of(STUDY, arguments, 0.0, signal.SIGTERM) == (143, "")
+
+
+def test_every_study_minds_signals_first() -> None:
+    for file in STUDIES.glob("*.py"):
+        text = file.read_text()
+        if "__main__" in text:
+            assert text.index("import quiet_end") < text.index("# isort: split"), file.name

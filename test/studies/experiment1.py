@@ -11,6 +11,10 @@ import statistics
 import sys
 from collections.abc import Sequence
 
+import quiet_end  # noqa: F401  before all that takes time
+
+# isort: split
+
 import numpy as np
 from matplotlib.figure import Figure
 from mission_study import Run, crosses_opening, length, spread, watch_all

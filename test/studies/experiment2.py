@@ -12,6 +12,10 @@ import sys
 from collections import Counter
 from collections.abc import Sequence
 
+import quiet_end  # noqa: F401  before all that takes time
+
+# isort: split
+
 from matplotlib.figure import Figure
 from mission_study import PERSON, PERSON_STAYS, Run, Watched, crosses_opening, spread, watch_all
 from study import NOT_GIVEN, Study, parse_options

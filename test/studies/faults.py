@@ -15,6 +15,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+import quiet_end  # noqa: F401  before all that takes time
+
+# isort: split
+
 from matplotlib.figure import Figure
 from study import Study, parse_options
 

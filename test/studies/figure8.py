@@ -13,6 +13,10 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import quiet_end  # noqa: F401  before all that takes time
+
+# isort: split
+
 import numpy as np
 from guided_run import PERCEPTIONS, GuidedRun, guided_run
 from matplotlib.figure import Figure

@@ -11,6 +11,10 @@ import math
 import sys
 from collections.abc import Sequence
 
+import quiet_end  # noqa: F401  before all that takes time
+
+# isort: split
+
 import numpy as np
 from guided_run import OBSTACLE, GuidedRun, guided_run
 from planning_study import (

@@ -182,7 +182,7 @@ def range_from_msg(
     message: Range,
     frame_ids: Sequence[str],
     field_of_view: float | None = None,
-    what: str = "range",
+    topic: str = names.SONAR,
 ) -> RangeSample:
     """Return a sensor's range.
 
@@ -196,6 +196,8 @@ def range_from_msg(
         Frames of the sensors; the position in it is the sensor's number.
     field_of_view : float, optional
         Full angle that the message must have [rad]; not checked when None.
+    topic : str
+        Where it came by, ``sonar`` or ``infrared``; the ring's parameters are named alike.
 
     Raises
     ------
@@ -208,17 +210,19 @@ def range_from_msg(
     except ValueError:
         raise Refused(
             "unknown_frame",
-            f"{what} from frame {shown(frame)}, which is none of the {len(frame_ids)} sensors "
-            f"{', '.join(frame_ids[:3])}...; name it in the parameter frame_ids",
+            f"{topic} range from frame {shown(frame)}, which is none of the {len(frame_ids)} "
+            f"sensors {', '.join(frame_ids[:3])}...; name it in the parameter "
+            f"'{topic}.frame_ids', or let the driver say what stands there",
         ) from None
-    stamp = _stamp(message.header, what)
+    stamp = _stamp(message.header, f"{topic} range")
     if field_of_view is not None and not (
         abs(message.field_of_view - field_of_view) <= FIELD_OF_VIEW_TOLERANCE
     ):
         raise Refused(
             "field_of_view",
-            f"{what} of '{frame}' has a field of view of {message.field_of_view:.4g} rad, "
-            f"expected {field_of_view:.4g} rad (the full angle): mend the driver or the parameter",
+            f"{topic} range of '{frame}' has a field of view of {message.field_of_view:.4g} rad, "
+            f"expected {field_of_view:.4g} rad (the full angle): mend the driver or the parameter "
+            f"'{topic}.field_of_view'",
         )
     return RangeSample(sensor, stamp, float32(message.range))
 

@@ -99,7 +99,11 @@ class Diagnostics:
             )
 
     def follow(
-        self, source: str, totals: Mapping[str, int], explanations: Mapping[str, str] | None = None
+        self,
+        source: str,
+        totals: Mapping[str, int],
+        explanations: Mapping[str, str],
+        examples: Mapping[str, str],
     ) -> None:
         """Take over what has been added to a counter of the core since the last call.
 
@@ -109,16 +113,19 @@ class Diagnostics:
             Topic that the input came by.
         totals : mapping of str to int
             Running totals by reason; one that shrinks is taken for a new counter's.
-        explanations : mapping of str to str, optional
+        explanations : mapping of str to str
             The sentence for the log by reason.
+        examples : mapping of str to str
+            What was refused last, in words, by reason.
         """
         seen = self._followed.setdefault(source, {})
         if totals == seen:
             return
         for reason, total in totals.items():
             before = seen.get(reason, 0)
-            text = (explanations or {}).get(reason, reason.replace("_", " "))
-            self.reject(source, reason, text, total - before if total >= before else total)
+            if count := total - before if total >= before else total:
+                text = f"{examples[reason]}: {explanations[reason]}"
+                self.reject(source, reason, text, count)
         self._followed[source] = dict(totals)
 
     def publish(self) -> None:

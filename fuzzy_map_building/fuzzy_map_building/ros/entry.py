@@ -1,6 +1,6 @@
 # Copyright 2026 The fuzzy navigation maintainers
 # SPDX-License-Identifier: Apache-2.0
-"""Where the executable `mapper` begins, and how any node's does.
+"""Where the executable `mapper` begins, and how any other does.
 
 Importing rclpy, numpy and scipy takes a second or two. A signal that comes meanwhile must end
 the process as cleanly as one that comes later: this module imports nothing that takes time.
@@ -16,28 +16,31 @@ from types import FrameType
 __all__ = ["mapper", "start"]
 
 
-def start(module: str) -> int:
-    """Import a node's module and run its ``main``, which takes the signals over.
+def start(module: str, stopped: int | None = 0) -> int:
+    """Import a module and run its ``main``, which takes the signals over.
 
     Parameters
     ----------
     module : str
         Full name of the module.
+    stopped : int, optional
+        Exit code of the process if SIGINT or SIGTERM comes before ``main`` has taken them over,
+        or after it has given them back; None: 128 and the signal's number.
 
     Returns
     -------
     int
-        Exit code of ``main``; SIGINT or SIGTERM during the import ends the process with 0.
+        Exit code of ``main``.
     """
+
+    def leave(number: int, _frame: FrameType | None) -> None:
+        # Nothing has been opened yet that would have to be closed.
+        os._exit(128 + number if stopped is None else stopped)
+
     for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, _leave)
+        signal.signal(number, leave)
     code: int = importlib.import_module(module).main()
     return code
-
-
-def _leave(_number: int, _frame: FrameType | None) -> None:
-    # Nothing has been opened yet that would have to be closed.
-    os._exit(0)
 
 
 def mapper() -> int:

@@ -12,7 +12,7 @@ turns without end. Infrared readings, where they are evidence, join either one w
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Final
 
 from fuzzy_msgs.srv import MapFile
@@ -43,6 +43,7 @@ from fuzzy_map_building.ros.build_map_server import BuildMapServer, FusedPacket
 from fuzzy_map_building.ros.clock import create_steady_timer, now_seconds, on_clock_set_back
 from fuzzy_map_building.ros.conversions import Refused
 from fuzzy_map_building.ros.diagnostics import Diagnostics
+from fuzzy_map_building.ros.explanations import explanations
 from fuzzy_map_building.ros.map_publisher import MapPublisher
 from fuzzy_map_building.ros.parameters import declare_parameters
 from fuzzy_map_building.ros.run import spin_node
@@ -53,22 +54,6 @@ __all__ = ["MapperNode", "main"]
 
 #: Wall time between two looks at what waits when no message comes [s].
 TICK: Final = 0.05
-
-#: What a word counted by the core means, for the log.
-EXPLANATIONS: Final[Mapping[str, str]] = {
-    "future": "stamped ahead of the clock by more than perception.future_tolerance; "
-    "are all clocks the same, and is use_sim_time set alike?",
-    "duplicate": "a stamp came twice from one source",
-    "out_of_order": "a stamp lies before the one that came last from the same source",
-    "no_pose": "no two poses bracketed the stamp within perception.pose_timeout",
-    "no_turret": "no two turret angles bracketed the stamp within perception.pose_timeout",
-    "overflow": "too many readings wait for poses",
-    "nan": "the sensor reported a faulty measurement (NaN)",
-    "out_of_range": "the range lies outside the limits min_range and max_range of its sensor",
-    "outside_map": "the reading was taken outside the map's area",
-    "lost_echo": "no echo, and sonar.lost_echo says to ignore such readings",
-    "no_sonar": "infrared readings only add to what sonars say, and no sonar reading was usable",
-}
 
 
 class MapperNode(Node):
@@ -87,6 +72,7 @@ class MapperNode(Node):
         warm_up()  # before the first packet, which would otherwise wait for the compiler
         self._mapper = FuzzyMapper(p.area.geometry(), p)
         self._assembler = ReadingAssembler(p)
+        self._explanations = explanations(p.perception)
         self._gatherer = InfraredGatherer(p)
         self._continuous = _continuous(p)
         self._folder = MapFolder(p.map_folder)
@@ -192,7 +178,7 @@ class MapperNode(Node):
     def _take_infrared(self, message: Range) -> None:
         frames = self._settings.values.infrared.frame_ids
         try:
-            sample = conversions.range_from_msg(message, frames, what=names.INFRARED)
+            sample = conversions.range_from_msg(message, frames, topic=names.INFRARED)
         except Refused as refused:
             self._diagnostics.reject(names.INFRARED, refused.reason, str(refused))
             return
@@ -253,7 +239,7 @@ class MapperNode(Node):
             (names.INFRARED, report.infrared_rejected),
         ):
             for reason, count in rejected.items():
-                text = EXPLANATIONS.get(reason, reason)
+                text = self._explanations.get(reason, reason)
                 self._diagnostics.reject(source, reason, text, count)
         if report.accepted:
             self._snapshots.changed(report.window)
@@ -286,6 +272,7 @@ class MapperNode(Node):
         self._mapper = FuzzyMapper(state.geometry, parameters)
         self._mapper.restore(state)
         self._assembler = ReadingAssembler(parameters)
+        self._explanations = explanations(parameters.perception)
         self._gatherer = InfraredGatherer(parameters)
         self._continuous = _continuous(parameters)
         self._build_map.abort("a parameter was changed")
@@ -340,13 +327,14 @@ class MapperNode(Node):
     # What it says of itself.
 
     def _count_refusals(self) -> None:
-        for source, totals in (
-            (names.SONAR, self._assembler.rejected),
-            (names.INFRARED, self._assembler.infrared_rejected),
-            (names.POSE, self._assembler.poses.rejected),
-            (names.JOINT_STATES, self._assembler.turret.rejected),
+        came = self._assembler
+        for source, totals, examples in (
+            (names.SONAR, came.rejected, came.examples),
+            (names.INFRARED, came.infrared_rejected, came.infrared_examples),
+            (names.POSE, came.poses.rejected, came.poses.examples),
+            (names.JOINT_STATES, came.turret.rejected, came.turret.examples),
         ):
-            self._diagnostics.follow(source, totals, EXPLANATIONS)
+            self._diagnostics.follow(source, totals, self._explanations, examples)
 
     def _diagnostic_values(self) -> dict[str, object]:
         return {

@@ -16,6 +16,7 @@ from fuzzy_map_building.ros.backlog import take_waiting
 from fuzzy_map_building.ros.clock import now_seconds, on_clock_set_back
 from fuzzy_map_building.ros.conversions import Refused, joint_position, range_from_msg
 from fuzzy_map_building.ros.diagnostics import Diagnostics
+from fuzzy_map_building.ros.explanations import explanations
 from fuzzy_map_building.types import Pose2, SonarReading
 from fuzzy_navigation.params import MotionParameters
 from fuzzy_navigation.ros.faulty_ranges import usable
@@ -40,9 +41,10 @@ class EchoListener:
         self._node = node
         self._p = parameters
         self._diagnostics = diagnostics
-        self._assembler = ReadingAssembler(
-            MapperParameters(sonar=parameters.sonar, turret=parameters.turret)
-        )
+        ours = MapperParameters(sonar=parameters.sonar, turret=parameters.turret)
+        self._assembler = ReadingAssembler(ours)
+        # The limits are the mapper's own, which are no parameters here.
+        self._explanations = explanations(ours.perception, named=False)
         self._sonar = node.create_subscription(Range, names.SONAR, self._on_sonar, qos.RANGES)
         self._subscriptions = [self._sonar]
         if parameters.turret.joint:
@@ -68,8 +70,12 @@ class EchoListener:
     def release(self) -> list[SonarReading]:
         """Return the readings whose place is known by now, since the last call."""
         readings = self._assembler.release(now_seconds(self._node))
-        self._diagnostics.follow(names.SONAR, self._assembler.rejected)
-        self._diagnostics.follow(names.JOINT_STATES, self._assembler.turret.rejected)
+        came = self._assembler
+        for source, totals, examples in (
+            (names.SONAR, came.rejected, came.examples),
+            (names.JOINT_STATES, came.turret.rejected, came.turret.examples),
+        ):
+            self._diagnostics.follow(source, totals, self._explanations, examples)
         return readings
 
     def _on_sonar(self, message: Range) -> None:

@@ -1,12 +1,12 @@
 # Copyright 2026 The fuzzy navigation maintainers
 # SPDX-License-Identifier: Apache-2.0
-"""Where the executables of the nodes begin."""
+"""Where the executables begin."""
 
 from __future__ import annotations
 
 from fuzzy_map_building.ros.entry import start
 
-__all__ = ["motion", "planner"]
+__all__ = ["bringup", "motion", "planner"]
 
 
 def planner() -> int:
@@ -17,3 +17,8 @@ def planner() -> int:
 def motion() -> int:
     """Run the node ``fuzzy_motion``."""
     return start("fuzzy_navigation.ros.motion_node")
+
+
+def bringup() -> int:
+    """Start the nodes of a real robot."""
+    return start("fuzzy_navigation.ros.bringup")

@@ -169,7 +169,7 @@ class MotionNode(Node):
 
     def _take_range(self, message: Range) -> None:
         try:
-            sample = usable(range_from_msg(message, self._frames, what="infrared range"))
+            sample = usable(range_from_msg(message, self._frames, topic=names.INFRARED))
             tick = self._ticks.on_range(
                 self._clock_time(), sample.sensor, sample.stamp, sample.range
             )

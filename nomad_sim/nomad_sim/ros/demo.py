@@ -73,13 +73,15 @@ class StoppedError(RuntimeError):
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the demonstration; `demo_options` lists the exit codes."""
+    # What the command line asks for takes seconds to look at, when loops are compiled; nothing
+    # is running yet, and a signal ends the process at once: see `entry`.
+    try:
+        options = parse_options(arguments)
+        clear_output(options.output)
+    except (ValueError, OSError) as error:
+        print(f"demo: {' '.join(str(error).split())}", file=sys.stderr)
+        return EXIT_REFUSED
     with stop_on_signals() as stop:
-        try:
-            options = parse_options(arguments)
-            clear_output(options.output)
-        except (ValueError, OSError) as error:
-            print(f"demo: {' '.join(str(error).split())}", file=sys.stderr)
-            return EXIT_REFUSED
         try:
             return _demonstrate(options, stop)
         except NodeFailedError as error:

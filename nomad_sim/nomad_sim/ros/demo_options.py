@@ -119,7 +119,8 @@ def parse_options(arguments: Sequence[str] | None = None) -> DemoOptions:
     # Refuses a start in an obstacle, and parameters that the world does not take.
     values = simulation_parameters({"world": args.world, "seed": args.seed, "rate": args.rate})
     Simulator(world, values)
-    world.check_free(*world.goal, "--goal" if args.goal is not None else "the goal")
+    if args.goal is not None:
+        world.check_free(*world.goal, "--goal")
     if args.start is not None or args.goal is not None:
         can_be = reachable(world, values.robot.radius, motion.goal_tolerance)
         expected = "reached" if can_be else "unreachable"

@@ -93,6 +93,7 @@ def test_values_take_the_declared_type() -> None:
         ({"loaded": 1}, "of type bool"),
         ({"name": 3}, "of type str"),
         ({"name": "wagn"}, "one of cart, wagon, got 'wagn'; did you mean 'wagon'"),
+        ({"name": "train"}, "one of cart, wagon, got 'train'$"),  # nothing is told twice
         ({"offsets": 1.0}, "is a list"),
         ({"offsets": "1.0"}, "is a list"),
         ({"offsets": [0.0, -2.0]}, "at least -1.0"),
@@ -131,3 +132,4 @@ def test_an_empty_default_list_has_no_type() -> None:
 def test_suggest() -> None:
     assert suggest("preest", ["preset", "mode"]) == "; did you mean 'preset'?"
     assert suggest("xyz", ["preset", "mode"]) == "; known names: mode, preset"
+    assert suggest("xyz", ["preset", "mode"], told=True) == ""

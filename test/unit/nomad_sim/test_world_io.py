@@ -9,7 +9,11 @@ import numpy as np
 import pytest
 
 from nomad_sim import world_io, yaml_document
+from nomad_sim.params import ROBOT_RADIUS
+from nomad_sim.places import check_places
+from nomad_sim.reference import ROWS
 from nomad_sim.world_io import WorldError, load_world, parse_world, world_names
+from nomad_sim.worlds import KINDS, generate
 
 GOOD = textwrap.dedent("""
     name: hall
@@ -169,6 +173,62 @@ def test_what_is_wrong_is_named(old, new, message):
         parse_world(changed(old, new))
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        (
+            "position: [5.0, 3.0]",
+            "position: [3.5, 1.1]",
+            r"^goal.position: \(3.5, 1.1\) m lies inside polygons\[0\], 0.10 m from its surface; "
+            r"move the goal, or write 'expected: unreachable'$",
+        ),
+        ("position: [5.0, 3.0]", "position: [4.5, 3.5]", r"inside circles\[0\], 0.20 m from"),
+        (
+            "position: [5.0, 3.0]",
+            "position: [5.8, 3.0]",
+            r"^goal.position: \(5.8, 3\) m is 0.20 m from walls\[0\], and the robot's body has a "
+            r"radius of 0.23 m; move the goal",
+        ),
+        (
+            "position: [1.0, 1.0]",
+            "position: [1.8, 1.0]",
+            r"^start.position: \(1.8, 1\) m is 0.20 m from walls\[1\], .* 0.23 m; move the start, "
+            r"or give the robot a smaller robot.radius under 'parameters'$",
+        ),
+        ("position: [1.0, 1.0]", "position: [3.0, 3.0]", r"^start.position: .* moving\[1\]"),
+        (
+            "[[2, 0], [2, 1.5]], material: felt",
+            "[[4, 2.2], [5.9, 2.2], [5.9, 3.9], [4, 3.9]], closed: true, material: felt",
+            r"^goal.position: every way from the start to \(5, 3\) m crosses walls\[1\], a closed "
+            r"line; open it, move the goal, or write 'expected: unreachable'$",
+        ),
+    ],
+)
+def test_a_mission_that_cannot_be_as_it_is_claimed_is_refused(old, new, message):
+    with pytest.raises(WorldError, match=message):
+        parse_world(changed(old, new))
+    if "goal" in message:  # it may be that nobody can get there, if the world says so
+        text = changed(old, new).replace("expected: reached", "expected: unreachable")
+        assert parse_world(text).expected == "unreachable"
+
+
+def test_what_comes_later_is_in_nobodys_way_and_the_robot_may_be_smaller():
+    # The person stands at (1, 3) from the 2nd second on, the cart goes after 16 perceptions.
+    assert parse_world(changed("position: [1.0, 1.0]", "position: [1.0, 3.0]")).start.y == 3.0
+    assert parse_world(changed("position: [5.0, 3.0]", "position: [3.0, 3.0]")).goal == (3.0, 3.0)
+    small = changed("position: [1.0, 1.0]", "position: [1.8, 1.0]").replace(
+        "sonar: {beam_half_angle: 0.218}", "robot: {radius: 0.19}"
+    )
+    assert parse_world(small).start.x == 1.8
+
+
+def test_drawn_worlds_and_those_of_the_paper_leave_the_robot_room():
+    for row in ROWS.values():
+        check_places(row.world(1), ROBOT_RADIUS)
+    for kind in KINDS:
+        check_places(generate(kind, 1), ROBOT_RADIUS)
+
+
 @pytest.mark.parametrize("text", ["", "hall", "[]", "- name: hall", "null", "42"])
 def test_what_is_no_world(text):
     with pytest.raises(WorldError, match="a mapping with the keys"):
@@ -240,6 +300,7 @@ def test_random_polygons_cross_exactly_when_two_sides_do():
             if (i, j) != (0, n - 1)
         )
         text = changed("[[3, 1], [4, 1], [3.5, 2]]", str(points.tolist()))
+        text = text.replace("position: [1.0, 1.0]", "position: [5.5, 1.0]")  # beside all of them
         outcomes.add(crossing)
         if crossing:
             with pytest.raises(WorldError, match="crosses or touches itself"):
