@@ -124,7 +124,7 @@ def test_a_node_refuses_a_file_with_a_misspelt_node(
     process = start_node("mapper", arguments=["--ros-args", "--params-file", path])
     assert process.wait() == 2
     assert process.output() == (
-        f"mapper: cannot start: --params-file {path}: there is no node 'fuzzy_maper'; "
+        f"fuzzy_mapper: cannot start: --params-file {path}: there is no node 'fuzzy_maper'; "
         "did you mean 'fuzzy_mapper'?\n"
     )
 

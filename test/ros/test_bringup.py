@@ -126,7 +126,10 @@ def test_namespace_files_and_remappings_reach_the_nodes(
         (["--params-file", "nowhere.yaml"], "there is no parameter file 'nowhere.yaml'"),
         (["--perset", "x"], "unrecognized arguments: --perset"),
         (["--respawn", "0"], "must be at least 1, got 0"),
-        (["--ros-args", "-p", "coast:=g1"], "unknown parameter 'coast'"),
+        (
+            ["--ros-args", "-p", "coast:=g1"],
+            "fuzzy_planner: cannot start: unknown parameter 'coast'",
+        ),
     ],
 )
 def test_a_wrong_command_line_is_refused(
@@ -137,6 +140,31 @@ def test_a_wrong_command_line_is_refused(
     assert reason in process.output()
     assert "bringup: started" not in process.output()
     assert "Traceback" not in process.output()
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        ("fuzzy_mapper:\n  ros__parameters:\n\tmode: continuous\n", "it is no YAML document"),
+        ("fuzzy_maper: {ros__parameters: {}}", "there is no node 'fuzzy_maper'; did you mean"),
+        (
+            "fuzzy_mapper: {ros__parameters: {sonar.bearings: [0, 0.5]}}",
+            "Sequence should be of same type. Value type 'double' do not belong at line_num 1",
+        ),
+    ],
+)
+def test_a_file_that_all_nodes_would_refuse_is_refused_once(
+    start_node: Callable[..., NodeProcess], tmp_path: Path, content: str, reason: str
+) -> None:
+    file = tmp_path / "robot.yaml"
+    file.write_text(content)
+    process = start_node("bringup", arguments=["--params-file", str(file)])
+    assert process.wait(60.0) == 2
+    told = [line for line in process.output().splitlines() if "[rcl]" not in line]
+    assert len(told) == 1
+    assert told[0].startswith("bringup: ")
+    assert reason in told[0]
+    assert "/src/" not in told[0]  # where it came up in the sources of others
 
 
 def test_each_node_gets_the_presets_that_it_knows(tmp_path: Path) -> None:

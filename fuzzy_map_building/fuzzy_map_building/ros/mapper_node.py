@@ -357,7 +357,7 @@ def _continuous(parameters: MapperParameters) -> ContinuousGathering | None:
 
 def main() -> int:
     """Run the node until SIGINT or SIGTERM."""
-    return spin_node(MapperNode)
+    return spin_node(MapperNode, name=names.MAPPER_NODE)
 
 
 if __name__ == "__main__":

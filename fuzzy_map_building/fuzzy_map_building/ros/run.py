@@ -5,7 +5,7 @@
 A node's ``main`` is one line::
 
     def main() -> int:
-        return spin_node(MapperNode)
+        return spin_node(MapperNode, name="fuzzy_mapper")
 
 rclpy's own signal handlers shut the context down under the feet of a running callback,
 which then raises; under load most stops end in a traceback. Here a handler only raises a
@@ -17,6 +17,7 @@ from __future__ import annotations
 import contextlib
 import gc
 import os
+import re
 import signal
 import sys
 import time
@@ -25,6 +26,7 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Final
 
 import rclpy
+from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
@@ -39,6 +41,7 @@ __all__ = [
     "EXIT_FAULT",
     "EXIT_REFUSED",
     "StopRequest",
+    "check_arguments",
     "spin_node",
     "stop_on_signals",
 ]
@@ -56,6 +59,9 @@ SPIN_PERIOD: Final = 0.1
 
 #: Time that a node gets after `on_stop` to send its last messages [s].
 DRAIN_TIME: Final = 0.3
+
+#: Where in the sources of rcl an error came up, which helps nobody who reads its text.
+_RCL_SOURCE: Final = re.compile(r", at \S+:\d+")
 
 
 class StopRequest:
@@ -94,7 +100,9 @@ def stop_on_signals() -> Iterator[StopRequest]:
             signal.signal(number, handler)
 
 
-def spin_node(factory: Callable[[], Node], args: Sequence[str] | None = None) -> int:
+def spin_node(
+    factory: Callable[[], Node], args: Sequence[str] | None = None, name: str = ""
+) -> int:
     """Create a node, spin it until SIGINT or SIGTERM, and take it down in order.
 
     A node with a method ``on_stop()`` has it called once before it is destroyed, with the
@@ -109,6 +117,8 @@ def spin_node(factory: Callable[[], Node], args: Sequence[str] | None = None) ->
         Returns the node; called once after ``rclpy.init``.
     args : sequence of str, optional
         Command line, the program's name first; that of the process when None.
+    name : str
+        What to call the node when it cannot start or fails; empty: as the program is called.
 
     Returns
     -------
@@ -119,11 +129,12 @@ def spin_node(factory: Callable[[], Node], args: Sequence[str] | None = None) ->
         raised, which is told in the last line on stderr, after the traceback.
     """
     argv = list(sys.argv if args is None else args)
+    called = name or _program(argv)
     with stop_on_signals() as stop:
         try:
             node = _start(factory, argv)
         except (ValueError, OSError) as error:
-            _refuse(argv, error)
+            _refuse(called, error)
             _let_go(error)
             rclpy.try_shutdown()
             return EXIT_REFUSED
@@ -136,7 +147,7 @@ def spin_node(factory: Callable[[], Node], args: Sequence[str] | None = None) ->
             _drain(node, executor)
         except Exception as fault:
             _last_words(node, executor)
-            return _report(argv, fault)
+            return _report(called, fault)
         finally:
             executor.shutdown()
             node.destroy_node()
@@ -148,24 +159,55 @@ def _start(factory: Callable[[], Node], argv: list[str]) -> Node:
     """Return the node, or raise ValueError for a command line that cannot be meant."""
     try:
         unknown = remove_ros_args(args=argv)[1:]
-        if not unknown:
-            # Whoever reaches a node can drive the robot: only this machine, unless told otherwise.
-            os.environ.setdefault(DISCOVERY_RANGE, "LOCALHOST")
-            rclpy.init(args=argv, signal_handler_options=SignalHandlerOptions.NO)
     except Exception as error:  # rclpy raises several unrelated types for a bad command line
-        raise ValueError(f"the command line was refused: {error}") from error
+        raise _refused(error) from error
     if unknown:
         raise ValueError(
             f"unknown argument '{unknown[0]}'; parameters are given as "
             "--ros-args -p <name>:=<value> or --params-file <file>"
         )
     addressed = Addressed(argv)
+    # Whoever reaches a node can drive the robot: only this machine, unless told otherwise.
+    os.environ.setdefault(DISCOVERY_RANGE, "LOCALHOST")
+    try:
+        rclpy.init(args=argv, signal_handler_options=SignalHandlerOptions.NO)
+    except Exception as error:  # as above
+        raise _refused(error) from error
     node = factory()
     for problem in addressed.unheard(node.get_name()):
         node.get_logger().warning(problem)
     if slow := jit.remark():
         node.get_logger().info(slow)
     return node
+
+
+def check_arguments(arguments: Sequence[str]) -> None:
+    """Refuse ROS arguments that every node would refuse, whatever its parameters are.
+
+    Parameters
+    ----------
+    arguments : sequence of str
+        What follows ``--ros-args``.
+
+    Raises
+    ------
+    ValueError
+        If a parameter file cannot be read or speaks to a node that does not exist, or rcl
+        cannot make sense of the arguments.
+    """
+    argv = ["nodes", "--ros-args", *arguments]
+    Addressed(argv)
+    context = Context()
+    try:
+        context.init(args=argv)
+    except Exception as error:  # as in `_start`
+        raise _refused(error) from error
+    finally:
+        context.try_shutdown()
+
+
+def _refused(error: Exception) -> ValueError:
+    return ValueError(f"the command line was refused: {_RCL_SOURCE.sub('', str(error))}")
 
 
 def _drain(node: Node, executor: SingleThreadedExecutor) -> None:
@@ -189,12 +231,10 @@ def _last_words(node: Node, executor: SingleThreadedExecutor) -> None:
         _drain(node, executor)
 
 
-def _report(argv: list[str], fault: Exception) -> int:
+def _report(called: str, fault: Exception) -> int:
     traceback.print_exception(fault)
     reason = " ".join(f"{type(fault).__name__}: {fault}".split())
-    print(
-        f"{_program(argv)}: ended by a fault in the program: {reason}", file=sys.stderr, flush=True
-    )
+    print(f"{called}: ended by a fault in the program: {reason}", file=sys.stderr, flush=True)
     return EXIT_FAULT
 
 
@@ -202,9 +242,9 @@ def _program(argv: list[str]) -> str:
     return argv[0].rsplit("/", 1)[-1] if argv else "node"
 
 
-def _refuse(argv: list[str], error: Exception) -> None:
+def _refuse(called: str, error: Exception) -> None:
     reason = " ".join(str(error).split())
-    print(f"{_program(argv)}: cannot start: {reason}", file=sys.stderr, flush=True)
+    print(f"{called}: cannot start: {reason}", file=sys.stderr, flush=True)
 
 
 def _let_go(error: Exception) -> None:

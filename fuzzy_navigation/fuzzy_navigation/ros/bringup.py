@@ -25,7 +25,7 @@ from typing import Any, Final
 from fuzzy_map_building.parameter_schema import suggest
 from fuzzy_map_building.params import PRESETS as MAPPER_PRESETS
 from fuzzy_map_building.ros.readiness import ReadyWatch, tell_ready
-from fuzzy_map_building.ros.run import EXIT_REFUSED, stop_on_signals
+from fuzzy_map_building.ros.run import EXIT_REFUSED, check_arguments, stop_on_signals
 from fuzzy_navigation.concurrent_mission import SETTINGS
 from fuzzy_navigation.params import MOTION_PRESETS, PLANNER_PRESETS
 from fuzzy_navigation.ros.processes import (
@@ -133,6 +133,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 snapshot,
                 concurrent=options.concurrent,
             )
+            # What all three would refuse is told once.
+            files = [part for file in options.params_file for part in ("--params-file", file)]
+            check_arguments([*files, *given[split + 1 :]])
         except ValueError as error:
             _say(str(error))
             return EXIT_REFUSED

@@ -391,7 +391,7 @@ class MotionNode(Node):
 
 def main() -> int:
     """Run the node until SIGINT or SIGTERM."""
-    return spin_node(MotionNode)
+    return spin_node(MotionNode, name=names.MOTION_NODE)
 
 
 if __name__ == "__main__":

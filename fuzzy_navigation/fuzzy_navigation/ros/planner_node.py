@@ -204,7 +204,7 @@ def _bad_request(reason: str) -> PlanResult:
 
 def main() -> int:
     """Run the node until SIGINT or SIGTERM."""
-    return spin_node(PlannerNode)
+    return spin_node(PlannerNode, name=names.PLANNER_NODE)
 
 
 if __name__ == "__main__":

@@ -296,7 +296,7 @@ def _period(values: SimulationParameters) -> float:
 
 def main() -> int:
     """Run the node until SIGINT or SIGTERM."""
-    return spin_node(SimNode)
+    return spin_node(SimNode, name=names.SIMULATOR_NODE)
 
 
 if __name__ == "__main__":
