@@ -69,10 +69,9 @@ class RefusedCells:
         """Forget all cells: a mission begins."""
         self._until: dict[tuple[float, float], int] = {}
         self._visits: list[tuple[float, float, bool]] = []
-        self._released = False
 
     def release(self) -> bool:
-        """Give all cells free once a mission, for what was in the way may have gone.
+        """Give all cells free, for what was in the way may have gone.
 
         Earlier visits count no more, either: they may have been to somebody who stood there.
 
@@ -81,8 +80,7 @@ class RefusedCells:
         bool
             Whether there was something to give free.
         """
-        useful = bool(self._until) and not self._released
-        self._released = True
+        useful = bool(self._until)
         self._until.clear()
         self._visits.clear()
         return useful

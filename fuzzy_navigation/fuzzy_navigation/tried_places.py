@@ -40,7 +40,7 @@ class TriedPlaces:
         """Forget everything: a mission begins."""
         self._refused.forget()
         self._looks.forget()
-        self._looked_again = False
+        self._given_free: set[bool] = set()  # before the patience was over, and after
 
     def perceived(self, area: ExploredArea, pose: Pose2, hits: Points = _NOTHING) -> None:
         """Take note of a perception: the map after it, where it was made, what infrareds hit."""
@@ -70,15 +70,18 @@ class TriedPlaces:
         Parameters
         ----------
         perceptions : int
-            Perceptions made so far: while they are few, everything is looked at again.
+            Perceptions made so far: while they are fewer than the patience everything is looked at
+            again each time, and obstacles are tried once more; after that both once.
 
         Returns
         -------
         bool
             Whether there was something to give free.
         """
-        released = self._refused.release()
-        if not self._looked_again or perceptions < self._patience:
-            self._looked_again = True
+        late = perceptions >= self._patience
+        first = late not in self._given_free
+        self._given_free.add(late)
+        released = self._refused.release() and first
+        if first or not late:
             released |= self._looks.again()
         return released

@@ -10,7 +10,8 @@ import pytest
 from fuzzy_map_building.types import Pose2
 from fuzzy_navigation.explored_area import ExploredArea
 from fuzzy_navigation.look_turn import LookTurn
-from fuzzy_navigation.mission_types import Drive, Outcome, Perceive, Phase, Plan
+from fuzzy_navigation.mission_record import MissionRecord
+from fuzzy_navigation.mission_types import Drive, Outcome, Perceive, Phase, Plan, Stop
 from fuzzy_navigation.params import FollowerParameters, motion_parameters
 from fuzzy_navigation.planner import PlanResult, PlanStatus
 from fuzzy_navigation.tried_places import TriedPlaces
@@ -89,7 +90,23 @@ def test_before_the_goal_is_unreachable_everything_barred_is_given_free_once() -
     assert finish_of(no_path(script, [again])).outcome is Outcome.UNREACHABLE  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize(("perceptions", "times"), [([1, 2, 3, 4], 2), ([7, 8], 1), ([2, 9], 1)])
+def test_obstacles_are_tried_once_more_before_the_patience_is_over_and_once_after_it() -> None:
+    tried = TriedPlaces(motion_parameters(overrides={"frontier_looks": 0, "patience": 20}))
+    area = ExploredArea(GEOMETRY, np.ones(GEOMETRY.shape), 0.9, 0.23, "disc")
+    granted = []
+    for perceptions in (5, 10, 20, 25):
+        record = MissionRecord(1, Pose2(3.05, 2.05), 0.1, 0.0)
+        record.perceptions, record.last_stop = perceptions, Stop.CLEARANCE
+        tried.stopped(record, np.array([(1.55, 2.05)]), (1.55, 2.05), area)
+        assert len(tried.barred(perceptions, area)) > 0
+        granted.append(tried.try_again(perceptions))
+        assert tried.barred(perceptions, area) == ()
+    assert granted == [True, False, True, False]
+
+
+@pytest.mark.parametrize(
+    ("perceptions", "times"), [([1, 2, 3, 4], 3), ([7, 8], 1), ([2, 9, 10], 2)]
+)
 def test_all_is_looked_at_again_while_patience_lasts_and_once_after_it(
     perceptions: list[int], times: int
 ) -> None:
