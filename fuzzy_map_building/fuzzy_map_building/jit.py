@@ -24,7 +24,7 @@ try:
 except ImportError:  # not installed, or not for this numpy
     numba = None
 
-__all__ = ["compiled", "for_kernel", "njit", "remark"]
+__all__ = ["compiled", "elementwise", "for_kernel", "njit", "remark"]
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -67,6 +67,30 @@ def njit(function: F) -> F:
         stamp = _sources_stamp(Path(function.__code__.co_filename).parent)
         cache_file._source_stamp = (cache_file._source_stamp, stamp)
     return kernel
+
+
+def elementwise(function: F) -> F:
+    """Compile a formula to a loop over arrays at its first call, for the types of that call.
+
+    Numpy evaluates the same formula operation by operation, each with a pass over the arrays.
+
+    Parameters
+    ----------
+    function : callable
+        Arithmetic on its arguments, which may be numbers or arrays, without branches.
+
+    Returns
+    -------
+    callable
+        The compiled formula, or `function` itself without numba; takes arrays.
+    """
+    if not compiled():
+        return function
+    try:
+        return numba.vectorize(cache=True)(function)  # type: ignore[no-any-return]
+    except RuntimeError:  # as for `njit`
+        _uncached.append(function.__name__)
+        return numba.vectorize(function)  # type: ignore[no-any-return]
 
 
 def remark() -> str:

@@ -10,15 +10,21 @@ the same float64 numbers either way.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzy_map_building.jit import elementwise
+from fuzzy_navigation.risk import alpha_cut
+
 __all__ = [
     "HUNDREDTHS",
     "LAID",
+    "NOTHING_LAID",
     "NO_ENTRY",
+    "START",
     "CostField",
     "coded_costs",
     "cost_field",
@@ -29,13 +35,20 @@ __all__ = [
 HUNDREDTHS = np.arange(101) / 100.0
 #: Code of a cell that must not be entered.
 NO_ENTRY = 127
+#: Code of the start's cell, which may be entered whatever its risk.
+START = 126
 #: Code of a cell whose cost lies beside the table.
 LAID = 125
+#: Costs of the cells with the code `LAID`, if there are none.
+NOTHING_LAID = np.empty((0, 0))
+NOTHING_LAID.flags.writeable = False
 
 # Below this least risk the heuristic says nothing and weights are not normalised.
 _LEAST_RISK = 1e-9
 # Cells that are worked on at a time: their intermediate values stay in a processor's cache.
 _BLOCK = 1 << 15
+
+Mu = TypeVar("Mu", float, NDArray[np.float64])
 
 
 @dataclass(frozen=True)
@@ -65,8 +78,8 @@ class CostField:
     heuristic: float
     most: float
     bottleneck: bool
-    laid: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 0)))
-    corner: tuple[int, int] = (0, 0)
+    laid: NDArray[np.float64]
+    corner: tuple[int, int]
 
     def at(self, rows: NDArray[np.int64], columns: NDArray[np.int64]) -> NDArray[np.float64]:
         """Return what it costs to enter some cells of the map, all shape (n,)."""
@@ -91,7 +104,12 @@ class CostField:
 
 
 def cost_field(
-    risk: NDArray[np.float64], admissible: NDArray[np.bool_], epsilon: float, cost: str
+    risk: NDArray[np.float64],
+    start: tuple[int, int],
+    alpha: float,
+    closed: NDArray[np.bool_] | None,
+    epsilon: float,
+    cost: str,
 ) -> CostField:
     """Return what it costs to enter each cell.
 
@@ -99,8 +117,12 @@ def cost_field(
     ----------
     risk : ndarray of float64, shape (H, W)
         Risks in [0, 1].
-    admissible : ndarray of bool, shape (H, W)
-        Cells that may be entered, at least one.
+    start : tuple of int
+        Cell (row, column) that may be entered whatever its risk.
+    alpha : float
+        Largest risk of a cell that may be entered; there is one beside the start.
+    closed : ndarray of bool, shape (H, W), optional
+        Cells that must not be entered whatever their risk, the start excepted.
     epsilon : float
         Added to every risk.
     cost : {"g1", "g2", "g3"}
@@ -111,14 +133,20 @@ def cost_field(
     A1 and A2 work on mu / mu_min and its square: a constant factor changes no path, and
     uniform risks become exactly 1, so that sums, ties and paths are the same for both.
     """
-    codes = hundredths(risk, admissible)
+    codes = hundredths(risk, closed)
     if codes is not None:
+        here = float(risk[start])
+        codes[start[0] + 1, start[1] + 1] = START
         table = np.full(NO_ENTRY + 1, math.inf)
-        table[: len(HUNDREDTHS)] = HUNDREDTHS + epsilon
-        return coded_costs(codes, table, float(HUNDREDTHS[codes.min()]) + epsilon, epsilon, cost)
-    cells, least = _exact(risk, admissible, epsilon)
+        table[: len(HUNDREDTHS)] = np.where(alpha_cut(HUNDREDTHS, alpha), HUNDREDTHS, math.inf)
+        table[START] = here
+        table += epsilon
+        # The least risk of all cells is that of one that may be entered, for there is one.
+        least = min(float(HUNDREDTHS[np.minimum.reduce(codes, axis=None)]), here) + epsilon
+        return coded_costs(codes, table, least, epsilon, cost)
+    cells, least = _exact(risk, start, alpha, closed, epsilon)
     for rows in _blocks(cells):
-        _weigh(cells[rows], least, cost)
+        _weighed(cells[rows], least, cost)
     return _field(cells, None, least, epsilon, cost)
 
 
@@ -150,13 +178,12 @@ def coded_costs(
     corner : tuple of int
         Row and column in `cells` of the first of them.
     """
-    _weigh(table, least, cost)
-    out = _field(cells, table, least, epsilon, cost)
+    _weighed(table, least, cost)
     if laid is None:
-        return out
-    _weigh(laid, least, cost)
+        return _field(cells, table, least, epsilon, cost)
+    _weighed(laid, least, cost)
     table[LAID] = 0.0
-    return replace(out, laid=laid, corner=corner)
+    return _field(cells, table, least, epsilon, cost, laid, corner)
 
 
 def _field(
@@ -165,19 +192,21 @@ def _field(
     least: float,
     epsilon: float,
     cost: str,
+    laid: NDArray[np.float64] = NOTHING_LAID,
+    corner: tuple[int, int] = (0, 0),
 ) -> CostField:
-    most = np.array([1.0 + epsilon])
-    _weigh(most, least, cost)
+    most = _weighed(1.0 + epsilon, least, cost)
     informed = cost != "g3" and least >= _LEAST_RISK
-    return CostField(cells, table, float(informed), float(most[0]), cost == "g3")
+    return CostField(cells, table, float(informed), most, cost == "g3", laid, corner)
 
 
-def _weigh(mu: NDArray[np.float64], least: float, cost: str) -> None:
-    """Turn risks with epsilon into costs, in place; for A3 they are the same."""
+def _weighed(mu: Mu, least: float, cost: str) -> Mu:
+    """Turn risks with epsilon into costs, arrays in place; for A3 they are the same."""
     if cost != "g3" and least >= _LEAST_RISK:
         mu /= least
     if cost == "g2":
         mu *= mu
+    return mu
 
 
 def _rows(values: NDArray[np.int8] | NDArray[np.float64]) -> int:
@@ -191,8 +220,15 @@ def _blocks(values: NDArray[np.int8] | NDArray[np.float64]) -> list[slice]:
     return [slice(row, row + step) for row in range(0, len(values), step)]
 
 
+@elementwise
+def _whole(risk: Any) -> Any:
+    """Return risks as hundredths of type int8, below 0 where they are no whole number of them."""
+    whole = np.rint(risk * 100.0)
+    return np.int8(whole - 128.0 * (whole / 100.0 != risk))
+
+
 def hundredths(
-    risk: NDArray[np.float64], admissible: NDArray[np.bool_]
+    risk: NDArray[np.float64], closed: NDArray[np.bool_] | None = None
 ) -> NDArray[np.int8] | None:
     """Return the codes of a map with a border.
 
@@ -200,8 +236,8 @@ def hundredths(
     ----------
     risk : ndarray of float64, shape (H, W)
         Risks in [0, 1].
-    admissible : ndarray of bool, shape (H, W)
-        Cells that may be entered.
+    closed : ndarray of bool, shape (H, W), optional
+        Cells that must not be entered.
 
     Returns
     -------
@@ -211,16 +247,13 @@ def hundredths(
     """
     codes = np.full((risk.shape[0] + 2, risk.shape[1] + 2), NO_ENTRY, np.int8)
     inner = codes[1:-1, 1:-1]
-    scaled, back = np.empty((2, _rows(risk), risk.shape[1]))
     for rows in _blocks(risk):
-        values = risk[rows]
-        h, b = scaled[: len(values)], back[: len(values)]
-        np.rint(np.multiply(values, 100.0, out=h), out=h)
-        if not (np.divide(h, 100.0, out=b) == values).all():
+        inner[rows] = _whole(risk[rows])
+        if np.minimum.reduce(inner[rows], axis=None) < 0:
             return None
-        inner[rows] = h
+    if closed is not None:
         # All bits of NO_ENTRY are set.
-        inner[rows] |= (~admissible[rows]).view(np.int8) * np.int8(NO_ENTRY)
+        inner |= closed.view(np.int8) * np.int8(NO_ENTRY)
     return codes
 
 
@@ -239,15 +272,24 @@ def counted(codes: NDArray[np.int8]) -> NDArray[np.int64]:
 
 
 def _exact(
-    risk: NDArray[np.float64], admissible: NDArray[np.bool_], epsilon: float
+    risk: NDArray[np.float64],
+    start: tuple[int, int],
+    alpha: float,
+    closed: NDArray[np.bool_] | None,
+    epsilon: float,
 ) -> tuple[NDArray[np.float64], float]:
     """Return risks with epsilon and border, and the least of them."""
     out = np.empty((risk.shape[0] + 2, risk.shape[1] + 2))
     out[0] = out[-1] = math.inf
     out[:, 0] = out[:, -1] = math.inf
-    least = math.inf
+    here = float(risk[start]) + epsilon
+    least = here
     for rows in _blocks(risk):
-        mu = np.where(admissible[rows], risk[rows] + epsilon, math.inf)
+        admissible = alpha_cut(risk[rows], alpha)
+        if closed is not None:
+            admissible &= ~closed[rows]
+        mu = np.where(admissible, risk[rows] + epsilon, math.inf)
         least = min(least, float(mu.min()))
         out[1:-1, 1:-1][rows] = mu
+    out[start[0] + 1, start[1] + 1] = here
     return out, least

@@ -180,5 +180,5 @@ def _read(risk: MapLike, name: str) -> NDArray[np.float64] | Hundredths:
     if isinstance(risk, Hundredths):
         return risk
     values = checked_risk(risk, name)
-    codes = hundredths(values, np.broadcast_to(np.True_, values.shape))
+    codes = hundredths(values)
     return values if codes is None else Hundredths(codes[1:-1, 1:-1])

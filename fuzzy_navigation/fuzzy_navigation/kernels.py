@@ -66,7 +66,7 @@ def _weight(
     field: NDArray[np.int8] | FloatArray,
     table: FloatArray | None,
     laid: FloatArray,
-    frame: IntArray,
+    frame: tuple[int, int, int],
     width: int,
 ) -> float:
     """Return what it costs to enter a cell, as `best_first` does."""
@@ -91,13 +91,13 @@ def best_first(
     field: NDArray[np.int8] | FloatArray,
     table: FloatArray | None,
     laid: FloatArray,
-    frame: IntArray,
+    frame: tuple[int, int, int],
     width: int,
     goal: int,
     limit: int,
     corner_cutting: bool,
     bottleneck: bool,
-    ahead: IntArray,
+    ahead: tuple[int, int, int, int, int],
     fine_bits: int,
     begin: IntArray,
     steps: IntArray,
@@ -123,7 +123,7 @@ def best_first(
         Costs that the field points to, if it does.
     laid : ndarray of float64, shape (any,)
         Costs of the cells of a window to which the field points as `LAID`.
-    frame : ndarray of int64, shape (3,)
+    frame : tuple of int
         First row and column of the window, and cells in a row of it.
     width : int
         Cells in a row, border included.
@@ -135,7 +135,7 @@ def best_first(
         Whether a diagonal step may pass a cell that must not be entered.
     bottleneck : bool
         Whether a path costs its largest weight (A3) rather than the sum (A1, A2).
-    ahead : ndarray of int64, shape (5,)
+    ahead : tuple of int
         What an entry's ticks hold beside the cost of the path to its cell, which is (a, b)
         rows and columns or columns and rows from the goal, a >= b: a and b times the first
         two, which is the estimated cost; a and b times the next two, and the path's length
@@ -177,11 +177,7 @@ def best_first(
     """
     goal_row = goal // width
     goal_column = goal % width
-    cost_high = ahead[0]
-    cost_low = ahead[1]
-    tie_high = ahead[2]
-    tie_low = ahead[3]
-    tie_length = ahead[4]
+    cost_high, cost_low, tie_high, tie_low, tie_length = ahead
     slots = (len(buckets) - 1) & _INDEX
     most = len(queue) - 9
     free = control[FREE]
@@ -301,7 +297,7 @@ def best_first(
                     continue
             row_step = rows[i]
             column_step = columns[i]
-            if row_step != 0 and column_step != 0 and not corner_cutting:
+            if not corner_cutting and row_step != 0 and column_step != 0:
                 above = _weight(cell + row_step * width, field, table, laid, frame, width)
                 beside = _weight(cell + column_step, field, table, laid, frame, width)
                 if above == np.inf or beside == np.inf:

@@ -18,7 +18,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy_map_building.grid import Window
-from fuzzy_navigation.cost_field import HUNDREDTHS, LAID, NO_ENTRY, CostField, coded_costs, counted
+from fuzzy_navigation.cost_field import (
+    HUNDREDTHS,
+    LAID,
+    NO_ENTRY,
+    START,
+    CostField,
+    coded_costs,
+    counted,
+)
 from fuzzy_navigation.plan_types import RiskLayer
 from fuzzy_navigation.risk import (
     Footprint,
@@ -32,8 +40,6 @@ from fuzzy_navigation.workspace import Workspace
 
 __all__ = ["PlanningMap"]
 
-# Code of the start's cell, which may be entered whatever its risk.
-_START = NO_ENTRY - 1
 #: After so many expanded cells, or such a share of the map's if that is more, it is worth a
 #: look at the whole map, whether the goal can be reached at all.
 PATIENCE = 4096
@@ -226,9 +232,9 @@ class PlanningMap:
         paid = np.maximum(HUNDREDTHS, query.least_risk)
         table = np.full(NO_ENTRY + 1, math.inf)
         table[: len(HUNDREDTHS)] = np.where(rung >= HUNDREDTHS, paid, math.inf)
-        table[_START] = max(marks.start, query.least_risk)
+        table[START] = max(marks.start, query.least_risk)
         present = np.append(self._count > 0, [True])
-        least = float(np.append(table[: len(HUNDREDTHS)], table[_START])[present].min())
+        least = float(np.append(table[: len(HUNDREDTHS)], table[START])[present].min())
         laid, corner = np.empty((0, 0)), (0, 0)
         if marks.layer is not None:
             cells = marks.layer.cells
@@ -268,7 +274,7 @@ class PlanningMap:
             start = max(start, float(layer.cost[here].max(initial=0.0)))
         self._count -= taken
         self._inner[query.barred[:, 0], query.barred[:, 1]] = NO_ENTRY
-        self._inner[query.start] = _START
+        self._inner[query.start] = START
         try:
             yield _Marks(start, layer, risks)
         finally:

@@ -129,23 +129,29 @@ def find_path(
     _check_choice("adjacency", adjacency, (4, 8))
     if not (isinstance(epsilon, Real) and math.isfinite(epsilon) and epsilon >= 0.0):
         raise ValueError(f"epsilon must be finite and not negative, got {epsilon!r}")
-    factor = diagonal_factor(diagonal)
-    admissible = admissible_cells(values if cut is None else cut, alpha, barred, values.shape)
-    admissible[first] = True
+    factor, added = diagonal_factor(diagonal), float(epsilon)
+    limit, closed = alpha, None
+    if cut is not None:
+        # What the cut closes is closed; the risk closes nothing more.
+        limit, closed = math.inf, ~admissible_cells(cut, alpha, barred, values.shape)
+    else:
+        _check_alpha(alpha)
+        if barred is not None:
+            closed = _bars(barred, values.shape)
 
     path = np.array([first], dtype=np.int64)
     expanded = 0
     if first != last:
-        if not admissible[last]:
+        if not values[last] <= limit or (closed is not None and closed[last]):
             return _no_path(0)
-        field = cost_field(values, admissible, float(epsilon), cost)
+        field = cost_field(values, first, limit, closed, added, cost)
         room = workspace if workspace is not None else Workspace()
         path, expanded = room.search(
             field, first, last, int(adjacency), factor, bool(corner_cutting)
         )
         if len(path) == 0:
             return _no_path(expanded)
-    return SearchResult(True, path, *path_risks(values, path, diagonal, float(epsilon)), expanded)
+    return SearchResult(True, path, *path_risks(values, path, diagonal, added), expanded)
 
 
 def admissible_cells(
@@ -176,8 +182,7 @@ def admissible_cells(
     ValueError
         If alpha is not in [0, 1], or an array has the wrong shape or values.
     """
-    if not (isinstance(alpha, Real) and 0.0 <= alpha <= 1.0):
-        raise ValueError(f"alpha must lie in [0, 1], got {alpha!r}")
+    _check_alpha(alpha)
     values = real_numbers(cut, "cut")
     expected = values.shape if shape is None else shape
     if values.shape != expected:
@@ -186,13 +191,7 @@ def admissible_cells(
         raise ValueError("cut must not hold NaN or negative values")
     admissible = alpha_cut(values, alpha)
     if barred is not None:
-        bars = np.asarray(barred)
-        if bars.dtype != np.bool_ or bars.shape != expected:
-            raise ValueError(
-                f"barred must be an array of bool of shape {expected}, "
-                f"got {bars.dtype} of shape {bars.shape}"
-            )
-        admissible &= ~bars
+        admissible &= ~_bars(barred, expected)
     return admissible
 
 
@@ -257,6 +256,22 @@ def _cell(cell: tuple[int, int], shape: tuple[int, ...], name: str) -> tuple[int
             f"{shape[0]} rows and {shape[1]} columns"
         )
     return row, column
+
+
+def _check_alpha(alpha: float) -> None:
+    if not (isinstance(alpha, Real) and 0.0 <= alpha <= 1.0):
+        raise ValueError(f"alpha must lie in [0, 1], got {alpha!r}")
+
+
+def _bars(barred: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.bool_]:
+    """Return barred cells as an array, or raise ValueError."""
+    bars = np.asarray(barred)
+    if bars.dtype != np.bool_ or bars.shape != shape:
+        raise ValueError(
+            f"barred must be an array of bool of shape {shape}, "
+            f"got {bars.dtype} of shape {bars.shape}"
+        )
+    return bars
 
 
 def _check_choice(name: str, value: object, choices: tuple[object, ...]) -> None:

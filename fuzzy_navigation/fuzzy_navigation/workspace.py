@@ -28,6 +28,10 @@ _TICKS = 2.0**15
 # the goal, but for a step or two.
 _BUCKET_BITS = 13
 _A3_BUCKET_BITS = 7
+# Cells to expand without a limit: not the map's, for on even ground some are expanded several
+# times.
+_UNLIMITED = int(np.iinfo(np.int64).max)
+_NO_PATH = np.empty((0, 2), np.int64)
 
 
 class Workspace:
@@ -90,60 +94,65 @@ class Workspace:
         expanded : int
             Number of cells expanded.
         """
-        width = field.cells.shape[1]
+        height, width = field.cells.shape
         origin = (start[0] + 1) * width + start[1] + 1
         target = (goal[0] + 1) * width + goal[1] + 1
-        self._fit(field.cells.shape)
-        flat, cost = field.cells.reshape(-1), self._cost.reshape(-1)
-        form = (field.bottleneck, field.heuristic, field.most, field.cells.shape)
+        self._fit((height, width))
+        cost = self._cost.reshape(-1)
+        form = (field.bottleneck, field.heuristic, field.most, (height, width))
         order = _order(*form, adjacency, diagonal)
-        cost[origin] = 0.0
+        spent = 0.0
         if field.bottleneck:
-            cost[origin] = order.ticks * float(field.at(*np.array([start]).T)[0])
+            spent = order.ticks * float(field.at(*np.array([start]).T)[0])
+        cost[origin] = spent
         self._label[origin] = 0
-        control = np.zeros(11, np.int64)
-        control[kernels.FREE] = control[kernels.FINAL] = -1
-        low, high = sorted((abs(start[0] - goal[0]), abs(start[1] - goal[1])))
-        ticks = int(cost[origin]) + int(order.ahead @ (high, low, high, low, 0))
-        control[kernels.BUCKET] = ticks >> order.fine_bits
-        control[kernels.TOP], control[kernels.LEFT] = field.cells.shape
+        high, low = abs(start[0] - goal[0]), abs(start[1] - goal[1])
+        if low > high:
+            low, high = high, low
+        cost_high, cost_low, tie_high, tie_low, _ = order.ahead
+        ticks = int(spent) + (cost_high + tie_high) * high + (cost_low + tie_low) * low
+        bucket = ticks >> order.fine_bits
+        # Indices by `kernels.FREE` to `kernels.RIGHT`.
+        control = np.array([-1, 1, 1, bucket, 0, -1, 0, height, 0, width, 0])
         if len(self._buckets) < order.buckets:
             self._buckets = np.full(order.buckets, -1, np.int32)
         buckets = self._buckets[: order.buckets]
-        buckets[int(control[kernels.BUCKET]) & (order.buckets - 1)] = 0
+        buckets[bucket & (order.buckets - 1)] = 0
         self._queue[0] = kernels.first_entry(origin)
-        control[kernels.FRESH] = control[kernels.WAITING] = 1
         # Beside the cell before, nothing is reached for less through this one: where steps of
         # every kind cost the same, that holds for all cells that both touch.
         everywhere = (field.bottleneck or diagonal == 1.0) and corner_cutting
-        # Not the number of cells: on even ground some are expanded several times.
-        most = np.iinfo(np.int64).max if limit is None else limit
         steps = _steps(adjacency, everywhere, width)
-        frame = np.array([*field.corner, field.laid.shape[1]])
         arrays = (*steps, order.factors[steps[1]], cost, self._label, buckets)
-        path = np.empty((0, 2), np.int64)
+        given = [for_kernel(array) for array in arrays]
+        path = _NO_PATH
         try:
             while not kernels.best_first(
-                for_kernel(flat),
+                for_kernel(field.cells.reshape(-1)),
                 None if field.table is None else for_kernel(field.table),
-                *(for_kernel(field.laid.reshape(-1)), for_kernel(frame)),
-                *(width, target, most, corner_cutting, field.bottleneck),
-                *(for_kernel(order.ahead), order.fine_bits),
-                *(for_kernel(a) for a in (*arrays, self._queue, control)),
+                for_kernel(field.laid.reshape(-1)),
+                (*field.corner, field.laid.shape[1]),
+                width,
+                target,
+                _UNLIMITED if limit is None else limit,
+                corner_cutting,
+                field.bottleneck,
+                order.ahead,
+                order.fine_bits,
+                *(*given, for_kernel(self._queue), for_kernel(control)),
             ):
                 self._make_room()
-            if control[kernels.FINAL] >= 0:
+            _, _, _, _, expanded, final, _, top, bottom, left, right = control.tolist()
+            if final >= 0:
                 path = kernels.trace(self._label, width, origin, target)
         except BaseException:  # nobody knows what was touched
             self._cost[:] = kernels.UNSEEN
             raise
         finally:
             buckets[:] = -1
-        top, bottom = int(control[kernels.TOP]), int(control[kernels.BOTTOM])
-        left, right = int(control[kernels.LEFT]), int(control[kernels.RIGHT])
         cost[origin] = kernels.UNSEEN
         self._cost[max(0, top - 1) : bottom + 2, max(0, left - 1) : right + 2] = kernels.UNSEEN
-        return path, int(control[kernels.EXPANDED])
+        return path, expanded
 
     def _fit(self, shape: tuple[int, ...]) -> None:
         """Have room for the cells of a map, or raise ValueError."""
@@ -174,7 +183,7 @@ class _Order:
         Ticks to a unit of cost.
     factors : ndarray of float64, shape (8,)
         The same, by step.
-    ahead : ndarray of int64, shape (5,)
+    ahead : tuple of int
         What an entry's ticks hold beside its cost.
     fine_bits : int
         A bucket has 2 ** fine_bits ticks.
@@ -185,7 +194,7 @@ class _Order:
 
     ticks: float
     factors: NDArray[np.float64]
-    ahead: NDArray[np.int64]
+    ahead: tuple[int, int, int, int, int]
     fine_bits: int
     buckets: int
 
@@ -206,7 +215,7 @@ def _order(
     if bottleneck:
         # From hundredth to hundredth of cost, and within that the nearest to the goal first.
         ticks = 2.0 ** (100 * farthest).bit_length()
-        ahead, factors = [0, 0, kernels.STRAIGHT, beside, 0], [ticks] * 8
+        ahead, factors = (0, 0, kernels.STRAIGHT, beside, 0), [ticks] * 8
         growth = int(ticks * dearest) + farthest
         fine_bits = _A3_BUCKET_BITS
     else:
@@ -214,12 +223,12 @@ def _order(
         while dearest * shape[0] * shape[1] * ticks > 2.0**60:
             ticks /= 2.0
         unit = ticks * heuristic
-        ahead = [int(unit), int(unit * sideways), kernels.STRAIGHT, beside, 1]
+        ahead = (int(unit), int(unit * sideways), kernels.STRAIGHT, beside, 1)
         factors = [ticks] * 4 + [diagonal * ticks] * 4
         growth = int(diagonal * (ticks * dearest + unit)) + 4 * kernels.DIAGONAL
         fine_bits = max(_BUCKET_BITS, (growth // _BUCKETS).bit_length() + 1)
     buckets = 1 << ((growth >> fine_bits) + 2).bit_length()
-    return _Order(ticks, np.array(factors), np.array(ahead, np.int64), fine_bits, buckets)
+    return _Order(ticks, np.array(factors), ahead, fine_bits, buckets)
 
 
 @functools.cache

@@ -11,7 +11,8 @@ import pytest
 from fuzzy_map_building.jit import compiled, njit
 
 KERNEL = """
-from fuzzy_map_building.jit import compiled, njit, remark
+import numpy as np
+from fuzzy_map_building.jit import compiled, elementwise, njit, remark
 
 @njit
 def total(count):
@@ -20,12 +21,16 @@ def total(count):
         out += k
     return out
 
-print(compiled(), total(10), *remark().split()[:3])
+@elementwise
+def odd(number):
+    return np.rint(number / 2.0) * 2.0 != number
+
+print(compiled(), total(10), odd(np.array([1.0, 2.0, 4.0])).sum(), *remark().split()[:3])
 """
 
 
-PLAIN = ["False", "45", "kernels", "run", "as"]
-ANEW = ["True", "45", "kernels", "are", "compiled"]
+PLAIN = ["False", "45", "1", "kernels", "run", "as"]
+ANEW = ["True", "45", "1", "kernels", "are", "compiled"]
 
 
 def run(folder, environment, prepare=""):
@@ -77,7 +82,7 @@ def test_a_cache_folder_that_cannot_be_used_does_not_stop_anything(read_only):
 def test_compiled_code_is_kept(tmp_path, read_only):
     folder, environment = read_only
     cache = tmp_path / "cache"
-    assert run(folder, {**environment, "NUMBA_CACHE_DIR": str(cache)}) == ["True", "45"]
+    assert run(folder, {**environment, "NUMBA_CACHE_DIR": str(cache)}) == ["True", "45", "1"]
     assert list(cache.rglob("*.nbi"))
 
 
