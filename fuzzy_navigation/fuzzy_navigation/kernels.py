@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from fuzzy_map_building.jit import njit
 from fuzzy_navigation.cost_field import LAID
 
-__all__ = ["DIAGONAL", "MOST_CELLS", "STEPS", "STRAIGHT", "UNSEEN", "best_first", "trace"]
+__all__ = ["DIAGONAL", "MOST_CELLS", "STEPS", "STRAIGHT", "UNSEEN", "best_first", "trace", "wipe"]
 
 #: Steps (rows, columns) to the adjacent cells: the straight ones first, so that the first four
 #: are 4-adjacency.
@@ -43,7 +43,6 @@ TOP, BOTTOM, LEFT, RIGHT = range(7, 11)
 
 # Whoever sees this knows that the index is not negative: no check for indices from the end.
 _INDEX = 0x7FFFFFFF
-_CODE = 0x7F
 # Bits of an entry below the next of its chain.
 _LINK = 32
 _VISIT = 0xFFFFFFFF
@@ -63,7 +62,7 @@ def longest_label(cells: int) -> int:
 @njit
 def _weight(
     cell: int,
-    field: NDArray[np.int8] | FloatArray,
+    field: NDArray[np.uint8] | FloatArray,
     table: FloatArray | None,
     laid: FloatArray,
     frame: tuple[int, int, int],
@@ -73,7 +72,7 @@ def _weight(
     if table is None:
         weight: float = field[cell]
     else:
-        code = field[cell] & _CODE
+        code = field[cell]
         weight = table[code]
         if code == LAID:
             row = cell // width - frame[0]
@@ -88,7 +87,7 @@ def first_entry(start: int) -> int:
 
 @njit
 def best_first(
-    field: NDArray[np.int8] | FloatArray,
+    field: NDArray[np.uint8] | FloatArray,
     table: FloatArray | None,
     laid: FloatArray,
     frame: tuple[int, int, int],
@@ -109,6 +108,7 @@ def best_first(
     cost: FloatArray,
     label: Int32Array | IntArray,
     buckets: Int32Array,
+    slots: int,
     queue: IntArray,
     control: IntArray,
 ) -> bool:
@@ -116,7 +116,7 @@ def best_first(
 
     Parameters
     ----------
-    field : ndarray of int8 or float64, shape (cells,)
+    field : ndarray of uint8 or float64, shape (cells,)
         Cost of entering each cell, as an index into `table` or itself; infinite for cells
         that must not be entered, the border among them.
     table : ndarray of float64, shape (128,), or None
@@ -142,7 +142,7 @@ def best_first(
         times the last, which decide between equal costs.
     fine_bits : int
         A bucket has 2 ** fine_bits ticks.
-    begin : ndarray of int64, shape (10,)
+    begin : ndarray of uint64, shape (10,)
         Which steps are worth trying from a cell, by the last step to it: after step s - 1
         those from number begin[s] to begin[s + 1] - 1.
     steps, offsets, rows, columns, lengths : ndarray of int64, shape (any,)
@@ -151,8 +151,10 @@ def best_first(
         Of each of them the factor on its cost: ticks to a unit of cost among others.
     cost, label : ndarray, shape (cells,)
         Cost and label of the best path known to each cell; `cost` is `UNSEEN` where none is.
-    buckets : ndarray of int32, shape (a power of two,)
+    buckets : ndarray of int32, shape (more than slots,)
         First entry of each chain, -1 for none.
+    slots : int
+        Number of buckets less one, a power of two less one.
     queue : ndarray of int64, shape (entries,)
         Entries: the next of the chain in the upper half, the cell and the last step to it,
         as in its label, in the lower.
@@ -178,7 +180,7 @@ def best_first(
     goal_row = goal // width
     goal_column = goal % width
     cost_high, cost_low, tie_high, tie_low, tie_length = ahead
-    slots = (len(buckets) - 1) & _INDEX
+    slots &= _INDEX
     most = len(queue) - 9
     free = control[FREE]
     fresh = control[FRESH]
@@ -266,10 +268,11 @@ def best_first(
         if column > rightmost:
             rightmost = column
         held_ticks = 0
+        down = goal_row - row
+        across = goal_column - column
         for i in range(begin[arrival], begin[arrival + 1]):
-            i &= _INDEX
             neighbour = (cell + offsets[i]) & _INDEX
-            weight = field[neighbour] if table is None else table[field[neighbour] & _CODE]
+            weight = field[neighbour] if table is None else table[field[neighbour]]
             # g3 of the longer path: arc costs as in the paper, section IV-A2.
             reached = factors[i] * weight
             if not bottleneck:
@@ -305,10 +308,14 @@ def best_first(
             cost[neighbour] = reached
             label[neighbour] = (reached_length << _STEP_BITS) + steps[i] + 1
             visit = (neighbour << _STEP_BITS) + steps[i] + 1
-            rows_left = abs(goal_row - row - row_step)
-            columns_left = abs(goal_column - column - column_step)
-            high = max(rows_left, columns_left)
-            low = min(rows_left, columns_left)
+            high = down - row_step
+            if high < 0:
+                high = -high
+            low = across - column_step
+            if low < 0:
+                low = -low
+            if low > high:
+                low, high = high, low
             tie = tie_high * high + tie_low * low + tie_length * reached_length
             if tie > longest:
                 longest = tie
@@ -374,3 +381,20 @@ def trace(label: Int32Array | IntArray, width: int, start: int, goal: int) -> In
             row_step, column_step = STEPS[(max(known, ~known) & _STEP) - 1]
             cell -= row_step * width + column_step
     return path
+
+
+@njit
+def wipe(
+    cost: FloatArray,
+    width: int,
+    window: tuple[int, int, int, int],
+    buckets: Int32Array,
+    slots: int,
+) -> None:
+    """Forget a search: costs in a window, (row0, row1, column0, column1), and the open cells."""
+    row0, row1, column0, column1 = window
+    for row in range(row0, row1):
+        for cell in range(row * width + column0, row * width + column1):
+            cost[cell] = UNSEEN
+    for slot in range(slots + 1):
+        buckets[slot] = -1

@@ -6,11 +6,12 @@ from __future__ import annotations
 
 import functools
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzy_map_building.jit import for_kernel
+from fuzzy_map_building.jit import filled, for_kernel, short_for_kernel
 from fuzzy_navigation import kernels
 from fuzzy_navigation.cost_field import CostField
 
@@ -31,6 +32,8 @@ _A3_BUCKET_BITS = 7
 # Cells to expand without a limit: not the map's, for on even ground some are expanded several
 # times.
 _UNLIMITED = int(np.iinfo(np.int64).max)
+# Bytes of an entry of a list.
+_POINTER = 8
 _NO_PATH = np.empty((0, 2), np.int64)
 
 
@@ -49,16 +52,21 @@ class Workspace:
 
     def __init__(self, wide: bool = False) -> None:
         self._wide = wide
-        self._cost = np.empty((0, 0))
-        self._label: NDArray[np.int32] | NDArray[np.int64] = np.empty(0, np.int32)
-        self._buckets = np.empty(0, np.int32)
-        self._queue = np.empty(_ENTRIES, np.int64)
+        self._forget()
+
+    def _forget(self) -> None:
+        """Begin anew."""
+        self._shape = (0, 0)
+        self._cost = filled(0, kernels.UNSEEN, np.float64)
+        self._label = filled(0, 0, np.int32)
+        self._buckets = filled(0, -1, np.int32)
+        self._queue = filled(_ENTRIES, 0, np.int64)
 
     @property
     def nbytes(self) -> int:
-        """Memory of all arrays [bytes]."""
+        """Memory of all arrays [bytes]; without compiled kernels the numbers come on top."""
         arrays = (self._cost, self._label, self._buckets, self._queue)
-        return sum(array.nbytes for array in arrays)
+        return sum(getattr(array, "nbytes", _POINTER * len(array)) for array in arrays)
 
     def search(
         self,
@@ -98,13 +106,12 @@ class Workspace:
         origin = (start[0] + 1) * width + start[1] + 1
         target = (goal[0] + 1) * width + goal[1] + 1
         self._fit((height, width))
-        cost = self._cost.reshape(-1)
         form = (field.bottleneck, field.heuristic, field.most, (height, width))
         order = _order(*form, adjacency, diagonal)
         spent = 0.0
         if field.bottleneck:
             spent = order.ticks * float(field.at(*np.array([start]).T)[0])
-        cost[origin] = spent
+        self._cost[origin] = spent
         self._label[origin] = 0
         high, low = abs(start[0] - goal[0]), abs(start[1] - goal[1])
         if low > high:
@@ -113,23 +120,24 @@ class Workspace:
         ticks = int(spent) + (cost_high + tie_high) * high + (cost_low + tie_low) * low
         bucket = ticks >> order.fine_bits
         # Indices by `kernels.FREE` to `kernels.RIGHT`.
-        control = np.array([-1, 1, 1, bucket, 0, -1, 0, height, 0, width, 0])
+        control = filled(11, 0, np.int64)
+        control[:] = [-1, 1, 1, bucket, 0, -1, 0, height, 0, width, 0]
         if len(self._buckets) < order.buckets:
-            self._buckets = np.full(order.buckets, -1, np.int32)
-        buckets = self._buckets[: order.buckets]
-        buckets[bucket & (order.buckets - 1)] = 0
+            self._buckets = filled(order.buckets, -1, np.int32)
+        slots = order.buckets - 1
+        self._buckets[bucket & slots] = 0
         self._queue[0] = kernels.first_entry(origin)
         # Beside the cell before, nothing is reached for less through this one: where steps of
         # every kind cost the same, that holds for all cells that both touch.
         everywhere = (field.bottleneck or diagonal == 1.0) and corner_cutting
         steps = _steps(adjacency, everywhere, width)
-        arrays = (*steps, order.factors[steps[1]], cost, self._label, buckets)
-        given = [for_kernel(array) for array in arrays]
+        # Codes are not negative: no check for indices from the table's end.
+        kind = np.float64 if field.table is None else np.uint8
         path = _NO_PATH
         try:
             while not kernels.best_first(
-                for_kernel(field.cells.reshape(-1)),
-                None if field.table is None else for_kernel(field.table),
+                for_kernel(field.cells.reshape(-1).view(kind)),
+                None if field.table is None else short_for_kernel(field.table),
                 for_kernel(field.laid.reshape(-1)),
                 (*field.corner, field.laid.shape[1]),
                 width,
@@ -139,38 +147,48 @@ class Workspace:
                 field.bottleneck,
                 order.ahead,
                 order.fine_bits,
-                *(*given, for_kernel(self._queue), for_kernel(control)),
+                *steps,
+                short_for_kernel(order.factors[steps[1]]),
+                self._cost,
+                self._label,
+                self._buckets,
+                slots,
+                self._queue,
+                control,
             ):
                 self._make_room()
-            _, _, _, _, expanded, final, _, top, bottom, left, right = control.tolist()
+            _, _, _, _, expanded, final, _, top, bottom, left, right = map(int, control)
             if final >= 0:
                 path = kernels.trace(self._label, width, origin, target)
+            self._cost[origin] = kernels.UNSEEN
+            window = (max(0, top - 1), bottom + 2, max(0, left - 1), right + 2)
+            kernels.wipe(self._cost, width, window, self._buckets, slots)
         except BaseException:  # nobody knows what was touched
-            self._cost[:] = kernels.UNSEEN
+            self._forget()
             raise
-        finally:
-            buckets[:] = -1
-        cost[origin] = kernels.UNSEEN
-        self._cost[max(0, top - 1) : bottom + 2, max(0, left - 1) : right + 2] = kernels.UNSEEN
         return path, expanded
 
-    def _fit(self, shape: tuple[int, ...]) -> None:
+    def _fit(self, shape: tuple[int, int]) -> None:
         """Have room for the cells of a map, or raise ValueError."""
-        if self._cost.shape != shape:
-            if shape[0] * shape[1] > kernels.MOST_CELLS:
+        if self._shape != shape:
+            cells = shape[0] * shape[1]
+            if cells > kernels.MOST_CELLS:
                 raise ValueError(
                     f"a map of {shape[0]} x {shape[1]} cells is too large to search; "
                     f"at most {kernels.MOST_CELLS} cells can be"
                 )
-            self._cost = np.full(shape, kernels.UNSEEN)
-            cells = self._cost.size
             # A path enters each cell once.
             narrow = not self._wide and kernels.longest_label(cells) <= np.iinfo(np.int32).max
-            self._label = np.empty(cells, np.int32) if narrow else np.empty(cells, np.int64)
+            self._cost = filled(cells, kernels.UNSEEN, np.float64)
+            self._label = filled(cells, 0, np.int32 if narrow else np.int64)
+            self._shape = shape
 
     def _make_room(self) -> None:
         """Double the room for entries in the middle of a search."""
-        self._queue = np.concatenate([self._queue, np.empty_like(self._queue)])
+        taken = len(self._queue)
+        wider = filled(2 * taken, 0, np.int64)
+        wider[:taken] = self._queue
+        self._queue = wider
 
 
 @dataclass(frozen=True)
@@ -232,7 +250,7 @@ def _order(
 
 
 @functools.cache
-def _steps(adjacency: int, everywhere: bool, width: int) -> tuple[NDArray[np.int64], ...]:
+def _steps(adjacency: int, everywhere: bool, width: int) -> tuple[Any, ...]:
     """Return the steps worth trying from a cell, as `best_first` takes them.
 
     Parameters
@@ -257,4 +275,7 @@ def _steps(adjacency: int, everywhere: bool, width: int) -> tuple[NDArray[np.int
     row_steps, column_steps = np.array(kernels.STEPS)[steps].T.copy()
     lengths = np.where(np.array(steps) < 4, kernels.STRAIGHT, kernels.DIAGONAL)
     offsets = row_steps * width + column_steps
-    return np.array(begin), np.array(steps), offsets, row_steps, column_steps, lengths
+    # An index that counts from them is not negative.
+    bounds = np.array(begin, np.uint64)
+    moves = (np.array(steps), offsets, row_steps, column_steps, lengths)
+    return tuple(short_for_kernel(array) for array in (bounds, *moves))
