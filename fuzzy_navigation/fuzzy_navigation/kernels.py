@@ -99,7 +99,7 @@ def best_first(
     ahead: tuple[int, int, int, int, int],
     fine_bits: int,
     begin: IntArray,
-    steps: IntArray,
+    arrivals: IntArray,
     offsets: IntArray,
     rows: IntArray,
     columns: IntArray,
@@ -145,8 +145,8 @@ def best_first(
     begin : ndarray of uint64, shape (10,)
         Which steps are worth trying from a cell, by the last step to it: after step s - 1
         those from number begin[s] to begin[s + 1] - 1.
-    steps, offsets, rows, columns, lengths : ndarray of int64, shape (any,)
-        Of each of them the step, what it adds to an index, its rows, columns and length.
+    arrivals, offsets, rows, columns, lengths : ndarray of int64, shape (any,)
+        Of each of them: as in a label, what it adds to an index, its rows, columns, length.
     factors : ndarray of float64, shape (any,)
         Of each of them the factor on its cost: ticks to a unit of cost among others.
     cost, label : ndarray, shape (cells,)
@@ -180,6 +180,7 @@ def best_first(
     goal_row = goal // width
     goal_column = goal % width
     cost_high, cost_low, tie_high, tie_low, tie_length = ahead
+    some_laid = table is not None and len(laid) > 0
     slots &= _INDEX
     most = len(queue) - 9
     free = control[FREE]
@@ -239,10 +240,8 @@ def best_first(
             final = (int(so_far) + longest) >> fine_bits
             continue
         if final >= 0:
-            rows_left = abs(goal_row - row)
-            columns_left = abs(goal_column - column)
-            high = max(rows_left, columns_left)
-            low = min(rows_left, columns_left)
+            high = max(abs(goal_row - row), abs(goal_column - column))
+            low = min(abs(goal_row - row), abs(goal_column - column))
             best = cost[goal]
             estimate = so_far + cost_high * high + cost_low * low
             if estimate > best or (
@@ -282,7 +281,7 @@ def best_first(
             before = cost[neighbour]
             if reached > before:
                 continue
-            if table is not None and field[neighbour] == LAID:
+            if some_laid and field[neighbour] == LAID:
                 # The table says 0, which is too little: few cells are laid and many looked at.
                 reached = factors[i] * _weight(neighbour, field, table, laid, frame, width)
                 if not bottleneck:
@@ -306,8 +305,9 @@ def best_first(
                 if above == np.inf or beside == np.inf:
                     continue
             cost[neighbour] = reached
-            label[neighbour] = (reached_length << _STEP_BITS) + steps[i] + 1
-            visit = (neighbour << _STEP_BITS) + steps[i] + 1
+            arrival = arrivals[i]
+            label[neighbour] = (reached_length << _STEP_BITS) + arrival
+            visit = (neighbour << _STEP_BITS) + arrival
             high = down - row_step
             if high < 0:
                 high = -high

@@ -133,6 +133,8 @@ class Workspace:
         steps = _steps(adjacency, everywhere, width)
         # Codes are not negative: no check for indices from the table's end.
         kind = np.float64 if field.table is None else np.uint8
+        factors = short_for_kernel(order.factors[steps[1]])
+        given = (*steps, factors, self._cost, self._label, self._buckets, slots)
         path = _NO_PATH
         try:
             while not kernels.best_first(
@@ -147,14 +149,7 @@ class Workspace:
                 field.bottleneck,
                 order.ahead,
                 order.fine_bits,
-                *steps,
-                short_for_kernel(order.factors[steps[1]]),
-                self._cost,
-                self._label,
-                self._buckets,
-                slots,
-                self._queue,
-                control,
+                *(*given, self._queue, control),
             ):
                 self._make_room()
             _, _, _, _, expanded, final, _, top, bottom, left, right = map(int, control)
@@ -199,8 +194,8 @@ class _Order:
     ----------
     ticks : float
         Ticks to a unit of cost.
-    factors : ndarray of float64, shape (8,)
-        The same, by step.
+    factors : ndarray of float64, shape (9,)
+        The same, by step as a label has it.
     ahead : tuple of int
         What an entry's ticks hold beside its cost.
     fine_bits : int
@@ -233,7 +228,7 @@ def _order(
     if bottleneck:
         # From hundredth to hundredth of cost, and within that the nearest to the goal first.
         ticks = 2.0 ** (100 * farthest).bit_length()
-        ahead, factors = (0, 0, kernels.STRAIGHT, beside, 0), [ticks] * 8
+        ahead, factors = (0, 0, kernels.STRAIGHT, beside, 0), [0.0] + [ticks] * 8
         growth = int(ticks * dearest) + farthest
         fine_bits = _A3_BUCKET_BITS
     else:
@@ -242,7 +237,7 @@ def _order(
             ticks /= 2.0
         unit = ticks * heuristic
         ahead = (int(unit), int(unit * sideways), kernels.STRAIGHT, beside, 1)
-        factors = [ticks] * 4 + [diagonal * ticks] * 4
+        factors = [0.0] + [ticks] * 4 + [diagonal * ticks] * 4
         growth = int(diagonal * (ticks * dearest + unit)) + 4 * kernels.DIAGONAL
         fine_bits = max(_BUCKET_BITS, (growth // _BUCKETS).bit_length() + 1)
     buckets = 1 << ((growth >> fine_bits) + 2).bit_length()
@@ -277,5 +272,5 @@ def _steps(adjacency: int, everywhere: bool, width: int) -> tuple[Any, ...]:
     offsets = row_steps * width + column_steps
     # An index that counts from them is not negative.
     bounds = np.array(begin, np.uint64)
-    moves = (np.array(steps), offsets, row_steps, column_steps, lengths)
+    moves = (np.array(steps) + 1, offsets, row_steps, column_steps, lengths)
     return tuple(short_for_kernel(array) for array in (bounds, *moves))

@@ -62,7 +62,7 @@ def test_a_packet_costs_little_and_the_same_on_a_map_of_any_size() -> None:
             taken.append(statistics.median(times))
     # The quietest turn: a busy machine says nothing of the code.
     small, large = (min(taken) for taken in medians)
-    assert small < 5e-3
+    assert small < (5e-3 if compiled() else 60e-3)
     assert large < 2.0 * small
 
 
