@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from fuzzy_map_building.evidence.fuzzy import FuzzyFusion
 from fuzzy_map_building.evidence.protocols import EvidenceSource, FusionRule, LocalEvidence
 from fuzzy_map_building.evidence.union import united_evidence
+from fuzzy_map_building.frozen_state import FrozenState
 from fuzzy_map_building.grid import GridGeometry, Window
 from fuzzy_map_building.infrared_model import InfraredModel
 from fuzzy_map_building.infrared_packet import InfraredPacket
@@ -85,16 +86,15 @@ class FuzzyMapper:
         self._sonar: EvidenceSource[SonarReading] = SonarModel(p.sonar, p.evidence, p.consistency)
         self._infrared = InfraredModel(p.infrared, p.infrared_evidence)
         self._rule: FusionRule = FuzzyFusion(p.evidence, p.fusion)
+        self._kept_risks: tuple[FloatArray, FloatArray] | None = None
+        self._frozen: list[FrozenState] = []
         self.reset()
 
     def reset(self) -> None:
         """Forget everything: nothing is believed of any cell."""
         shape = self._geometry.shape
-        self._empty = np.zeros(shape)
-        self._occupied = np.zeros(shape)
-        self._count = np.zeros(shape, dtype=np.int32)
-        self._perceptions = 0
-        self._kept_risks: tuple[FloatArray, FloatArray] | None = None
+        cells = (np.zeros(shape), np.zeros(shape), np.zeros(shape, dtype=np.int32))
+        self._put(*cells, 0)
 
     @property
     def geometry(self) -> GridGeometry:
@@ -224,6 +224,9 @@ class FuzzyMapper:
             self._empty[window], self._occupied[window], count, local.empty, local.occupied
         )
         risks = self._rule.risks(empty, occupied) if self._kept_risks is not None else None
+        self._frozen = [frozen for frozen in self._frozen if not frozen.copied]
+        for frozen in self._frozen:
+            frozen.keep(local.window)
         # Everything is computed; from here on nothing can fail half-way.
         self._count[window] = count
         self._empty[window] = empty
@@ -243,6 +246,16 @@ class FuzzyMapper:
             self._perceptions,
         )
 
+    def freeze(self) -> FrozenState:
+        """Return all that the mapper remembers now, for another thread to copy.
+
+        It takes no time. Until it is copied, each update puts aside what it changes.
+        """
+        arrays = (self._empty, self._occupied, self._count)
+        frozen = FrozenState(self._geometry, *arrays, self._perceptions)
+        self._frozen.append(frozen)
+        return frozen
+
     def restore(self, state: MapState) -> None:
         """Take over a state; the risk maps follow from it exactly.
 
@@ -251,16 +264,52 @@ class FuzzyMapper:
         ValueError
             If the state is of another grid. The map is then as it was.
         """
+        self._check_grid(state)
+        arrays = (state.empty.copy(), state.occupied.copy(), state.count.copy())
+        self._put(*arrays, state.perceptions)
+
+    def adopt(self, state: MapState) -> None:
+        """Take over a state as `restore`, and its arrays with it, which nobody else may use.
+
+        It takes no time, however large the map is.
+
+        Raises
+        ------
+        ValueError
+            If the state is of another grid. The map is then as it was.
+        """
+        self._check_grid(state)
+        self._put(state.empty, state.occupied, state.count, state.perceptions)
+
+    def with_parameters(self, parameters: MapperParameters) -> FuzzyMapper:
+        """Return a mapper with other parameters that goes on with this map, in place of this one.
+
+        It takes no time, however large the map is: the two have the same arrays.
+        """
+        other = FuzzyMapper(self._geometry, parameters)
+        other._put(self._empty, self._occupied, self._count, self._perceptions)
+        other._frozen = self._frozen
+        return other
+
+    def _check_grid(self, state: MapState) -> None:
         if state.geometry != self._geometry:
             raise ValueError(
                 f"the state is of the grid {state.geometry}, this map of {self._geometry}; "
                 f"start the mapper with the area and resolution of the saved map"
             )
-        self._empty = state.empty.copy()
-        self._occupied = state.occupied.copy()
-        self._count = state.count.copy()
-        self._perceptions = state.perceptions
+
+    def _put(
+        self,
+        empty: FloatArray,
+        occupied: FloatArray,
+        count: NDArray[np.int32],
+        perceptions: int,
+    ) -> None:
+        """Go on with other arrays; what was frozen keeps those that were there."""
+        self._empty, self._occupied, self._count = empty, occupied, count
+        self._perceptions = perceptions
         self._kept_risks = None
+        self._frozen = []
 
 
 def warm_up() -> None:

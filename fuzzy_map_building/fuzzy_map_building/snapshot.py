@@ -24,6 +24,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
+from fuzzy_map_building.frozen_state import FrozenState
 from fuzzy_map_building.grid import Window
 from fuzzy_map_building.map_io import (
     MapFileError,
@@ -95,6 +96,7 @@ class Snapshot:
         self._path = Path(os.path.realpath(path))
         self._rules = dict(rules)
         self._copy: MapState | None = None
+        self._frozen: FrozenState | None = None
         self._perceptions = 0
         self._changed = _EMPTY
         self.due = False
@@ -126,7 +128,7 @@ class Snapshot:
             state, rules = load_map_and_parameters(self._path, mapper.geometry)
             if rules != self._rules:
                 raise MapFileError(f"'{self._path}' {_difference(rules, self._rules)}")
-            mapper.restore(state)
+            mapper.adopt(state)
         except ValueError as error:
             aside = self._path.with_name(self._path.name + ASIDE)
             try:
@@ -147,11 +149,11 @@ class Snapshot:
     def take(self, mapper: FuzzyMapper) -> None:
         """Copy what has changed since the last time.
 
-        The time that it takes goes with the window that has changed; all of the map is copied
-        the first time and after ``changed(None)``.
+        The time that it takes goes with the window that has changed; the first time and after
+        ``changed(None)`` `write` will copy all of the map, as it is now.
         """
         if self._copy is None:
-            self._copy = mapper.state()
+            self._frozen = mapper.freeze()
         else:
             cells = self._changed.slices
             for name in ("empty", "occupied", "count"):
@@ -168,6 +170,8 @@ class Snapshot:
         MapFileError
             If it cannot be written; the snapshot before it is then still there.
         """
+        if self._frozen is not None:
+            self._copy, self._frozen = self._frozen.state(), None
         assert self._copy is not None, "take() comes first"
         state = dataclasses.replace(self._copy, perceptions=self._perceptions)
         save_map(self._path, state, self._rules)

@@ -87,12 +87,11 @@ class MapPublisher:
         self._node = node
         self.parameters = parameters
         self._grids = MapGrids(mapper)
-        grids = self._grids
         # The planner needs its map before the motion asks it for a path on it.
         self._maps = (
-            self._map(names.PLANNING_MAP, lambda: grids.planning),
-            self._map(names.MOTION_MAP, lambda: grids.motion),
-            self._map(names.MAP, lambda: grids.occupancy),
+            self._map(names.PLANNING_MAP, lambda: self._grids.planning),
+            self._map(names.MOTION_MAP, lambda: self._grids.motion),
+            self._map(names.MAP, lambda: self._grids.occupancy),
         )
         #: Whether a map that tells something was published before simulated time had begun.
         self.undated = False
@@ -100,8 +99,8 @@ class MapPublisher:
         self._anew = True
         self.publish(mapper, window=Window(0, 0, 0, 0))
         for service, grid in (
-            (names.GET_MOTION_MAP, lambda: grids.motion),
-            (names.GET_PLANNING_MAP, lambda: grids.planning),
+            (names.GET_MOTION_MAP, lambda: self._grids.motion),
+            (names.GET_PLANNING_MAP, lambda: self._grids.planning),
         ):
             node.create_service(GetMap, service, self._getter(grid), qos_profile=qos.REQUESTS)
 
@@ -110,7 +109,11 @@ class MapPublisher:
         self._anew = True
 
     def publish(
-        self, mapper: FuzzyMapper, newest: float = 0.0, window: Window | None = None
+        self,
+        mapper: FuzzyMapper,
+        newest: float = 0.0,
+        window: Window | None = None,
+        grids: MapGrids | None = None,
     ) -> None:
         """Publish what is new, with one stamp: all three grids, or their windows.
 
@@ -123,9 +126,14 @@ class MapPublisher:
             never before this one: readings can arrive before the /clock of their time.
         window : Window, optional
             The cells that may have changed since the last time; all if not given.
+        grids : MapGrids, optional
+            Those of the mapper, where somebody has made them already.
         """
         self._geometry = mapper.geometry
-        self._grids.refresh(mapper, window)
+        if grids is None:
+            self._grids.refresh(mapper, window)
+        else:
+            self._grids = grids
         previous = self._stamp
         now = now_seconds(self._node)
         self.undated = now == 0.0 and mapper.perceptions > 0

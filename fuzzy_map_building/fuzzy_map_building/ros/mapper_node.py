@@ -15,19 +15,17 @@ import sys
 from collections.abc import Sequence
 from typing import Final
 
-from fuzzy_msgs.srv import MapFile
 from geometry_msgs.msg import PoseStamped
 from rclpy.clock import TimeJump
 from rclpy.node import Node
 from rclpy.subscription import Subscription
 from sensor_msgs.msg import JointState, Range
 from std_msgs.msg import Float64
-from std_srvs.srv import Trigger
 
 from fuzzy_map_building.continuous import ContinuousGathering
 from fuzzy_map_building.infrared_gathering import InfraredGatherer
 from fuzzy_map_building.map_folder import MapFolder
-from fuzzy_map_building.map_io import load_map, save_map
+from fuzzy_map_building.map_grids import MapGrids
 from fuzzy_map_building.mapper import FuzzyMapper, warm_up
 from fuzzy_map_building.packet import ReadingAssembler
 from fuzzy_map_building.params import (
@@ -45,6 +43,7 @@ from fuzzy_map_building.ros.conversions import Refused
 from fuzzy_map_building.ros.diagnostics import Diagnostics
 from fuzzy_map_building.ros.explanations import explanations
 from fuzzy_map_building.ros.map_publisher import MapPublisher
+from fuzzy_map_building.ros.map_services import MapServices
 from fuzzy_map_building.ros.parameters import declare_parameters
 from fuzzy_map_building.ros.run import spin_node
 from fuzzy_map_building.ros.snapshots import SnapshotWriter
@@ -75,7 +74,6 @@ class MapperNode(Node):
         self._explanations = explanations(p.perception)
         self._gatherer = InfraredGatherer(p)
         self._continuous = _continuous(p)
-        self._folder = MapFolder(p.map_folder)
         self._snapshots = SnapshotWriter(self.get_fully_qualified_name(), p)
         restored, refusal = self._restore()
         self._maps = MapPublisher(self, self._mapper, p.publishing)
@@ -105,9 +103,14 @@ class MapperNode(Node):
             self.create_subscription(
                 JointState, names.JOINT_STATES, self._on_joint_state, qos.JOINT_STATES
             )
-        self.create_service(Trigger, names.RESET_MAP, self._on_reset, qos_profile=qos.REQUESTS)
-        self.create_service(MapFile, names.SAVE_MAP, self._on_save, qos_profile=qos.REQUESTS)
-        self.create_service(MapFile, names.LOAD_MAP, self._on_load, qos_profile=qos.REQUESTS)
+        self._map_services = MapServices(
+            self,
+            MapFolder(p.map_folder),
+            lambda: self._mapper,
+            self._snapshots,
+            self._on_other_map,
+            self._diagnostics,
+        )
         create_steady_timer(self, TICK, self._on_tick)
         self._jump = on_clock_set_back(self, self._on_clock_reset)
         self.get_logger().info(
@@ -119,6 +122,7 @@ class MapperNode(Node):
     def on_stop(self) -> None:
         """End a perception before the node goes, so that its client learns of it."""
         self._build_map.abort("the mapper was stopped")
+        self._map_services.finish()
         self._snapshots.close(self._mapper, self._refuse_snapshot)
 
     def _restore(self) -> tuple[str, str]:
@@ -268,9 +272,7 @@ class MapperNode(Node):
 
     def _use_parameters(self, parameters: MapperParameters) -> None:
         """Go on with other parameters and what is known; nothing that waits is kept."""
-        state = self._mapper.state()
-        self._mapper = FuzzyMapper(state.geometry, parameters)
-        self._mapper.restore(state)
+        self._mapper = self._mapper.with_parameters(parameters)
         self._assembler = ReadingAssembler(parameters)
         self._explanations = explanations(parameters.perception)
         self._gatherer = InfraredGatherer(parameters)
@@ -279,50 +281,14 @@ class MapperNode(Node):
         self._maps.parameters = parameters.publishing
         self._maps.publish(self._mapper)
 
-    # Services.
-
-    def _on_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        self._mapper.reset()
+    def _on_other_map(self, grids: MapGrids | None) -> None:
+        """Go on with a map that was loaded or reset."""
         self._snapshots.discard(self._refuse_snapshot)
         self._forget_readings()
-        self._maps.publish(self._mapper)
-        response.success = True
-        response.message = "the map is empty"
-        return response
-
-    def _on_save(self, request: MapFile.Request, response: MapFile.Response) -> MapFile.Response:
-        try:
-            file = self._folder.file_to_write(request.path)
-            save_map(file, self._mapper.state())
-        except (ValueError, OSError) as error:
-            return self._refuse(names.SAVE_MAP, response, error)
-        response.success = True
-        response.message = f"{self._mapper.perceptions} perceptions saved to {file}"
-        return response
-
-    def _on_load(self, request: MapFile.Request, response: MapFile.Response) -> MapFile.Response:
-        try:
-            file = self._folder.file_to_read(request.path)
-            self._mapper.restore(load_map(file, self._mapper.geometry))
-        except (ValueError, OSError) as error:
-            return self._refuse(names.LOAD_MAP, response, error)
-        self._snapshots.discard(self._refuse_snapshot)
-        self._forget_readings()
-        self._maps.publish(self._mapper)
-        response.success = True
-        response.message = f"{self._mapper.perceptions} perceptions loaded from {file}"
-        return response
+        self._maps.publish(self._mapper, grids=grids)
 
     def _refuse_snapshot(self, message: str) -> None:
         self._diagnostics.reject("snapshot", "refused", message)
-
-    def _refuse(
-        self, service: str, response: MapFile.Response, error: Exception
-    ) -> MapFile.Response:
-        self._diagnostics.reject(service, type(error).__name__, str(error))
-        response.success = False
-        response.message = str(error)
-        return response
 
     # What it says of itself.
 

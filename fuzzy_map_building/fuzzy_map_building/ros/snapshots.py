@@ -67,6 +67,16 @@ class SnapshotWriter:
             raise ValueError(f"parameter 'snapshot.file': there is no folder '{file.parent}'")
         self._snapshot = Snapshot(file, rules_of(parameters, node=node))
 
+    @property
+    def writing(self) -> bool:
+        """Whether a snapshot is being written: `discard` would wait for it."""
+        return self._thread is not None and self._thread.is_alive()
+
+    def join(self) -> None:
+        """Wait, in any thread, for the snapshot that is being written."""
+        if (thread := self._thread) is not None:
+            thread.join()
+
     def restore(self, mapper: FuzzyMapper) -> str:
         """Have the mapper go on from its snapshot.
 
@@ -105,7 +115,7 @@ class SnapshotWriter:
         snapshot = self._snapshot
         if snapshot is None:
             return
-        if self._thread is not None and self._thread.is_alive():
+        if self.writing:
             return
         self._finish(period, refused)
         if not snapshot.due or time.monotonic() < self._due:
