@@ -4,19 +4,19 @@
 
 A large map takes seconds to compress, write, read and check. A thread of its own does that; the
 callbacks are coroutines that await it, and the node's only thread goes on with poses and
-readings. One request is served after the other, in the order in which they come: what is saved
-is the map at the moment at which its turn comes, what is fused while a map is read goes with the
-map that the read one replaces, at once and as a whole.
+readings. One request is served after the other: what is saved is the map at the moment at which
+its turn comes, what is fused while a map is read goes with the map that the read one replaces, at
+once and as a whole.
 """
 
 from __future__ import annotations
 
 import threading
-from collections.abc import AsyncIterator, Callable
-from contextlib import asynccontextmanager
+from collections.abc import Callable
 from typing import TypeVar
 
 from fuzzy_msgs.srv import MapFile
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Trigger
@@ -72,12 +72,18 @@ class MapServices:
         self._snapshots = snapshots
         self._replaced = replaced
         self._diagnostics = diagnostics
-        self._last = Future()
-        self._last.set_result(None)
         self._thread: threading.Thread | None = None
-        node.create_service(Trigger, names.RESET_MAP, self._on_reset, qos_profile=qos.REQUESTS)
-        node.create_service(MapFile, names.SAVE_MAP, self._on_save, qos_profile=qos.REQUESTS)
-        node.create_service(MapFile, names.LOAD_MAP, self._on_load, qos_profile=qos.REQUESTS)
+        # While a coroutine waits nothing else of its group is called back: the rest of the node
+        # is in another one, and requests to these three wait for each other.
+        group = MutuallyExclusiveCallbackGroup()
+        for kind, name, callback in (
+            (Trigger, names.RESET_MAP, self._on_reset),
+            (MapFile, names.SAVE_MAP, self._on_save),
+            (MapFile, names.LOAD_MAP, self._on_load),
+        ):
+            node.create_service(
+                kind, name, callback, qos_profile=qos.REQUESTS, callback_group=group
+            )
 
     def finish(self) -> None:
         """Wait for the file that is being written or read, if any; its client is answered next."""
@@ -85,10 +91,9 @@ class MapServices:
             self._thread.join()
 
     async def _on_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        async with self._turn():
-            await self._snapshot_written()
-            self._mapper().reset()
-            self._replaced(None)
+        await self._snapshot_written()
+        self._mapper().reset()
+        self._replaced(None)
         response.success = True
         response.message = "the map is empty"
         return response
@@ -96,13 +101,12 @@ class MapServices:
     async def _on_save(
         self, request: MapFile.Request, response: MapFile.Response
     ) -> MapFile.Response:
-        async with self._turn():
-            try:
-                file = self._folder.file_to_write(request.path)
-                perceptions, frozen = self._mapper().perceptions, self._mapper().freeze()
-                await self._beside(lambda: save_map(file, frozen.state()))
-            except _FAILURES as error:
-                return self._refuse(names.SAVE_MAP, response, error)
+        try:
+            file = self._folder.file_to_write(request.path)
+            perceptions, frozen = self._mapper().perceptions, self._mapper().freeze()
+            await self._beside(lambda: save_map(file, frozen.state()))
+        except _FAILURES as error:
+            return self._refuse(names.SAVE_MAP, response, error)
         response.success = True
         response.message = f"{perceptions} perceptions saved to {file}"
         return response
@@ -110,38 +114,26 @@ class MapServices:
     async def _on_load(
         self, request: MapFile.Request, response: MapFile.Response
     ) -> MapFile.Response:
-        async with self._turn():
-            try:
-                file = self._folder.file_to_read(request.path)
-                mapper = self._mapper()
+        mapper = self._mapper()
 
-                def read() -> tuple[MapState, MapGrids]:
-                    state = load_map(file, mapper.geometry)
-                    other = FuzzyMapper(mapper.geometry, mapper.parameters)
-                    other.adopt(state)
-                    return state, MapGrids(other)
+        def read() -> tuple[MapState, MapGrids]:
+            state = load_map(file, mapper.geometry)
+            other = FuzzyMapper(mapper.geometry, mapper.parameters)
+            other.adopt(state)
+            return state, MapGrids(other)
 
-                state, grids = await self._beside(read)
-            except _FAILURES as error:
-                return self._refuse(names.LOAD_MAP, response, error)
-            await self._snapshot_written()
-            same = self._mapper().parameters is mapper.parameters
-            self._mapper().adopt(state)
-            self._replaced(grids if same else None)
+        try:
+            file = self._folder.file_to_read(request.path)
+            state, grids = await self._beside(read)
+        except _FAILURES as error:
+            return self._refuse(names.LOAD_MAP, response, error)
+        await self._snapshot_written()
+        same = self._mapper().parameters is mapper.parameters
+        self._mapper().adopt(state)
+        self._replaced(grids if same else None)
         response.success = True
         response.message = f"{state.perceptions} perceptions loaded from {file}"
         return response
-
-    @asynccontextmanager
-    async def _turn(self) -> AsyncIterator[None]:
-        """Wait until all requests that came before are served."""
-        before, done = self._last, Future()
-        self._last = done
-        await before
-        try:
-            yield
-        finally:
-            done.set_result(None)
 
     async def _snapshot_written(self) -> None:
         """Wait for the snapshot that is being written, without which none can be discarded."""
