@@ -367,3 +367,18 @@ def test_changed_parameters_hold_once_no_mission_goes_by_the_old(scene: Scene) -
     assert slim[-1] == pytest.approx((0.1, 0.6))
     assert all(asked.any_angle for asked in scene.planner.requests)
     assert all(asked.any_angle for asked in scene.planner.requests)
+
+
+def test_a_goal_that_is_reached_at_once_ends_a_mission_with_parameters_of_before(
+    scene: Scene,
+) -> None:
+    first = scene.go(3.5, 2.5)
+    asked = SetParameters.Request(parameters=[Parameter("beta", value=0.85).to_parameter_msg()])
+    service = f"{names.MOTION_NODE}/set_parameters"
+    assert scene.probe.call(SetParameters, service, asked).results[0].successful
+    # Two missions end with one goal, and the parameters are taken over after both.
+    answer = scene.result(scene.send(goal_at(2.0, 1.5), tolerance=10.0))
+    assert (answer.status, answer.result.outcome) == (GoalStatus.STATUS_SUCCEEDED, RESULT.REACHED)
+    assert scene.result(first).result.outcome == RESULT.CANCELED
+    assert "Traceback" not in scene.motion.output()
+    assert scene.result(scene.send(goal_at(2.0, 1.5))).result.outcome == RESULT.REACHED

@@ -150,7 +150,8 @@ class MapServices:
                 done.set_result(work())
             except Exception as error:  # for whoever awaits it
                 done.set_exception(error)
-            executor.wake()
+            if executor is not None:
+                executor.wake()
 
         self._thread = threading.Thread(target=run, name="map file")
         self._thread.start()

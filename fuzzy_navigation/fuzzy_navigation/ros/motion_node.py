@@ -292,6 +292,8 @@ class MotionNode(Node):
                 self._planner.ask(command, self._map[1], self._settings.values.timeout.server)
             else:
                 self._finish(command)
+        # Not before all is carried out: what follows the end of a mission may be that of the next.
+        self._refresh()
         self._report()
 
     def _drive(self, linear: float, angular: float) -> None:
@@ -315,7 +317,6 @@ class MotionNode(Node):
         else:
             self.get_logger().warning(verdict)
         self._verdicts.pop(mission)(finish)
-        self._refresh()
 
     def _refresh(self) -> None:
         """Take changed parameters over, as soon as no mission goes by the old ones."""
