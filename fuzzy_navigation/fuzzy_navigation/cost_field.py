@@ -41,7 +41,6 @@ START = 126
 LAID = 125
 #: Costs of the cells with the code `LAID`, if there are none.
 NOTHING_LAID = np.empty((0, 0))
-NOTHING_LAID.flags.writeable = False
 
 # Below this least risk the heuristic says nothing and weights are not normalised.
 _LEAST_RISK = 1e-9

@@ -105,43 +105,56 @@ def _cast(
 ) -> None:
     """Write the way along each ray to the first surface into `ranges`."""
     none = segments[:0]
-    side = frame[2]
-    width, height = shape[1] * side, shape[0] * side
+    left, bottom, side = frame[0], frame[1], frame[2]
+    rows, columns = shape[0], shape[1]
+    width, height = columns * side, rows * side
     for r in range(starts.shape[0]):
         x, y = starts[r, 0], starts[r, 1]
         ux, uy = directions[r, 0], directions[r, 1]
-        best, _ = nearest(x, y, ux, uy, TOUCHING, NO_SURFACE, none, circles)
+        best = math.inf
+        if circles.shape[0] > 0:
+            best, _ = nearest(x, y, ux, uy, TOUCHING, NO_SURFACE, none, circles)
         # Where the ray is above the squares: from `enter` to `leave`.
         enter, leave = TOUCHING, best
-        for along, u, extent in ((x - frame[0], ux, width), (y - frame[1], uy, height)):
+        for along, u, extent in ((x - left, ux, width), (y - bottom, uy, height)):
             if u == 0.0:
                 if not -_SLACK <= along <= extent + _SLACK:
                     leave = -math.inf
             else:
                 near, far = -along / u, (extent - along) / u
-                enter = max(enter, min(near, far))
-                leave = min(leave, max(near, far))
+                if near > far:
+                    near, far = far, near
+                if near > enter:
+                    enter = near
+                if far < leave:
+                    leave = far
         if enter <= leave:
-            column = int((x + enter * ux - frame[0]) / side)
-            row = int((y + enter * uy - frame[1]) / side)
-            column = min(shape[1] - 1, max(0, column))
-            row = min(shape[0] - 1, max(0, row))
-            while 0 <= column < shape[1] and 0 <= row < shape[0]:
-                square = row * shape[1] + column
+            column = int((x + enter * ux - left) / side)
+            row = int((y + enter * uy - bottom) / side)
+            column = min(columns - 1, max(0, column))
+            row = min(rows - 1, max(0, row))
+            # From a square to the next: which of its sides the ray leaves by.
+            next_column, far_column = (1, 1) if ux > 0.0 else (-1, 0)
+            next_row, far_row = (1, 1) if uy > 0.0 else (-1, 0)
+            while 0 <= column < columns and 0 <= row < rows:
+                square = row * columns + column
                 for k in range(begins[square], begins[square + 1]):
                     t = hits(x, y, ux, uy, TOUCHING, best, segments, members[k])
-                    best = min(best, t)
+                    if t < best:
+                        best = t
                 across = up = math.inf
                 if ux != 0.0:
-                    across = (frame[0] + (column + (1 if ux > 0.0 else 0)) * side - x) / ux
+                    across = (left + (column + far_column) * side - x) / ux
                 if uy != 0.0:
-                    up = (frame[1] + (row + (1 if uy > 0.0 else 0)) * side - y) / uy
-                if best <= min(across, up):
-                    break
+                    up = (bottom + (row + far_row) * side - y) / uy
                 if across <= up:
-                    column += 1 if ux > 0.0 else -1
+                    if best <= across:
+                        break
+                    column += next_column
                 else:
-                    row += 1 if uy > 0.0 else -1
+                    if best <= up:
+                        break
+                    row += next_row
         ranges[r] = max(best, 0.0)
 
 
