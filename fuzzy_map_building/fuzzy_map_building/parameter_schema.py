@@ -169,7 +169,9 @@ def _checked(info: ParameterInfo, value: Any) -> Any:
     """Return `value` in the parameter's own type or raise ParameterError."""
     if info.is_sequence:
         if isinstance(value, (str, bytes)) or not hasattr(value, "__iter__"):
-            raise ParameterError(f"parameter '{info.name}' is a list, got {shown(value)}")
+            # ROS hands an empty list on as no value.
+            found = "nothing" if value is None else shown(value)
+            raise ParameterError(f"parameter '{info.name}' is a list, got {found}")
         elements = tuple(itertools.islice(value, _MAX_ELEMENTS + 1))
         if len(elements) > _MAX_ELEMENTS:
             raise ParameterError(f"parameter '{info.name}' has more than {_MAX_ELEMENTS} elements")

@@ -331,7 +331,11 @@ def load_world(name_or_path: str | os.PathLike[str]) -> World:
         with path.open("rb") as file:
             content = file.read(MAX_BYTES + 1)
         return parse_world(content.decode())
-    except (OSError, UnicodeDecodeError) as error:
-        raise WorldError(f"cannot read world '{path}': {error}") from error
+    except OSError as error:
+        raise WorldError(f"cannot read world '{path}': {error.strerror or error}") from error
+    except UnicodeDecodeError as error:
+        raise WorldError(
+            f"cannot read world '{path}': byte {error.start} is no UTF-8; save it as UTF-8"
+        ) from error
     except WorldError as error:
         raise WorldError(f"{path}: {error}") from error

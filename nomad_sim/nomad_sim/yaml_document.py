@@ -28,6 +28,8 @@ FloatArray = NDArray[np.float64]
 
 # A whole number that YAML 1.1 reads in base 8.
 _OCTAL = re.compile(r"[-+]?0[0-7_]+")
+# What people take for a number.
+_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 
 #: Largest file [bytes], most entries of a list, farthest coordinate and shortest length [m]:
 #: they bound what a file can make the simulator do.
@@ -88,7 +90,8 @@ class Node:
 
     def refuse(self, wanted: str) -> NoReturn:
         """Raise WorldError with what is wanted instead of the value."""
-        self.fail(f"{wanted} expected, got {shown(self.value)}")
+        found = "nothing" if self.value is None else shown(self.value)
+        self.fail(f"{wanted} expected, got {found}")
 
     def mapping(self, required: Sequence[str], optional: Sequence[str] = ()) -> dict[str, Node]:
         """Return the values of a mapping that has all required and no unknown keys."""
@@ -113,6 +116,12 @@ class Node:
 
     def number(self, low: float = -MAX_COORDINATE, high: float = MAX_COORDINATE) -> float:
         """Return a finite number from `low` to `high`."""
+        if isinstance(self.value, str) and _NUMBER.fullmatch(self.value):
+            # In quotes, or such as 1e-3, which YAML 1.1 takes for a text for want of a point.
+            self.fail(
+                f"a number expected, {shown(self.value)} is a text to YAML; "
+                "write it without quotes, and 1.0e-3, not 1e-3"
+            )
         if isinstance(self.value, bool) or not isinstance(self.value, (int, float)):
             self.refuse("a number")
         # Comparing first: an int of any length is no float yet. NaN fails it too.

@@ -105,6 +105,8 @@ def test_names_with_their_namespaces(write: Callable[[str], str]) -> None:
         ("a: &a {ros__parameters: {}}\nb: *a", "aliases"),
         ("a: 1" + ":0" * 200, "too large|needs the key"),
         ("a: 1", "'a' needs the key 'ros__parameters'"),
+        ("a:\n  ros__parameters:\n    b: 1\n    b: 2\n", "line 4: 'b' is repeated"),
+        ("a: {ros__parameters: {}}\na: {ros__parameters: {}}", "line 2: 'a' is repeated"),
         ("a: {ros__parameters: 1}", "must hold parameters by name"),
         ("a: " + "{b: " * 3000, "nested too deeply"),
         ("# " + MAX_FILE_SIZE * "x", "longer than"),
@@ -126,6 +128,18 @@ def test_a_node_refuses_a_file_with_a_misspelt_node(
     assert process.output() == (
         f"fuzzy_mapper: cannot start: --params-file {path}: there is no node 'fuzzy_maper'; "
         "did you mean 'fuzzy_mapper'?\n"
+    )
+
+
+def test_a_node_says_what_a_file_lacks_in_its_own_words(
+    start_node: Callable[..., NodeProcess], write: Callable[[str], str]
+) -> None:
+    path = write("fuzzy_mapper: {mode: continuous}")
+    process = start_node("mapper", arguments=["--ros-args", "--params-file", path])
+    assert process.wait() == 2
+    assert process.output() == (
+        f"fuzzy_mapper: cannot start: {path}: 'fuzzy_mapper' needs the key 'ros__parameters' "
+        "above its parameters, such as 'mode'\n"
     )
 
 

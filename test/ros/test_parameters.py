@@ -265,7 +265,7 @@ def test_a_file_with_a_misspelt_name_is_refused(
     ("arguments", "reason"),
     [
         (["--world", "lab"], "unknown argument '--world'"),
-        (["--ros-args", "--params-file", "/nowhere.yaml"], "the command line was refused"),
+        (["--ros-args", "--params-file", "/nowhere.yaml"], "/nowhere.yaml: No such file"),
         (["--ros-args", "-p", "preset"], "the command line was refused"),
         # ROS itself takes no list of whole and other numbers.
         (["--ros-args", "-p", "turret.angles:=[0, 0.1]"], "the command line was refused"),

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from fuzzy_map_building.plain_yaml import load_plain, shown
+from fuzzy_map_building.plain_yaml import PlainLoader, load_plain, shown
 from fuzzy_map_building.ros import names
 
 __all__ = ["Addressed", "section_names"]
@@ -28,6 +28,20 @@ MAX_FILE_SIZE: Final = 1_000_000
 _ALIKE: Final = 0.75
 _KEY: Final = "ros__parameters"
 _KNOWN: Final = (names.MAPPER_NODE, names.PLANNER_NODE, names.MOTION_NODE, names.SIMULATOR_NODE)
+
+
+class _Loader(PlainLoader):
+    """YAML in which no key is written twice: rcl takes the last one without a word."""
+
+    def construct_mapping(self, node: Any, deep: bool = False) -> dict[Any, Any]:
+        """Return a mapping, or raise ValueError for a repeated key."""
+        seen = set()
+        for key, _ in node.value:
+            if key.value in seen and isinstance(key.value, str):
+                raise ValueError(f"line {key.start_mark.line + 1}: {shown(key.value)} is repeated")
+            if isinstance(key.value, str):
+                seen.add(key.value)
+        return super().construct_mapping(node, deep)
 
 
 def section_names(path: str | Path) -> list[str]:
@@ -48,7 +62,7 @@ def section_names(path: str | Path) -> list[str]:
             text = file.read(MAX_FILE_SIZE + 1)
         if len(text) > MAX_FILE_SIZE:
             raise ValueError(f"longer than {MAX_FILE_SIZE} bytes is no parameter file")
-        content: Any = load_plain(text)
+        content: Any = load_plain(text, _Loader)
         if content is None:
             return []
         if not isinstance(content, dict):
@@ -67,7 +81,12 @@ def _sections(content: Mapping[Any, Any], above: str) -> Iterator[str]:
     for key, value in content.items():
         name = f"{above}/{str(key).strip('/')}"
         if not isinstance(value, dict):
-            raise ValueError(f"{shown(key)} needs the key '{_KEY}' and its parameters")
+            if not above:
+                raise ValueError(f"{shown(key)} needs the key '{_KEY}' and its parameters")
+            node = shown(above.strip("/"))
+            raise ValueError(
+                f"{node} needs the key '{_KEY}' above its parameters, such as {shown(key)}"
+            )
         if _KEY in value:
             if not isinstance(value[_KEY], dict):
                 raise ValueError(f"'{_KEY}' of {shown(key)} must hold parameters by name")

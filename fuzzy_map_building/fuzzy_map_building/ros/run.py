@@ -157,6 +157,7 @@ def spin_node(
 
 def _start(factory: Callable[[], Node], argv: list[str]) -> Node:
     """Return the node, or raise ValueError for a command line that cannot be meant."""
+    addressed = Addressed(argv)  # before rcl, whose sentences name neither key nor node
     try:
         unknown = remove_ros_args(args=argv)[1:]
     except Exception as error:  # rclpy raises several unrelated types for a bad command line
@@ -166,7 +167,6 @@ def _start(factory: Callable[[], Node], argv: list[str]) -> Node:
             f"unknown argument '{unknown[0]}'; parameters are given as "
             "--ros-args -p <name>:=<value> or --params-file <file>"
         )
-    addressed = Addressed(argv)
     # Whoever reaches a node can drive the robot: only this machine, unless told otherwise.
     os.environ.setdefault(DISCOVERY_RANGE, "LOCALHOST")
     try:

@@ -114,6 +114,9 @@ def parse_options(arguments: Sequence[str] | None = None) -> DemoOptions:
     mapper_parameters(args.preset)
     if args.params_file is not None:
         _check_parameter_file(args.params_file)
+    else:  # a file may ask for larger cells
+        size = dict(zip(("area.size_x", "area.size_y"), world.size, strict=True))
+        mapper_parameters(args.preset, size)
     if args.start is not None or args.goal is not None:
         world = _moved(world, args.start, args.goal)
     # Refuses a start in an obstacle, and parameters that the world does not take.

@@ -109,6 +109,15 @@ def test_parameter_files_that_ros_would_not_use_are_refused(
         parse(room.parent, "--params-file", file)
 
 
+def test_an_area_too_large_for_the_mapper_is_refused(room: Path) -> None:
+    room.write_text(ROOM.replace("size: [3.0, 2.0]", "size: [999, 999]"))
+    with pytest.raises(ValueError, match="9990 x 9990 cells exceeds the limit of"):
+        parse(room.parent)
+    file = room.parent / "params.yaml"
+    file.write_text("fuzzy_mapper: {ros__parameters: {area.resolution: 1.0}}")
+    assert parse(room.parent, "--params-file", file).world.size == (999.0, 999.0)
+
+
 def test_parameter_files_for_any_node_are_taken(room: Path) -> None:
     file = room.parent / "params.yaml"
     file.write_text(

@@ -117,6 +117,8 @@ def changed(old, new):
         ("position: [1.0, 1.0]", "position: [.inf, 1]", r"start.position\[0\]: a number"),
         ("position: [1.0, 1.0]", "position: [true, 1]", r"start.position\[0\]: a number"),
         ("position: [1.0, 1.0]", "position: ['1', 1]", r"start.position\[0\]: a number"),
+        ("radius: 0.2,", "radius: 2e-1,", "'2e-1' is a text to YAML; write .* 1.0e-3, not 1e-3"),
+        ("radius: 0.2,", "radius: ,", r"circles\[0\].radius: a number expected, got nothing"),
         ("heading_deg: 90", "heading_deg: 1.0e+400", "heading_deg: a number"),
         ("radius: 0.2,", "radius: -0.2,", r"circles\[0\].radius: a number from 0.001"),
         ("radius: 0.2,", "radius: 0,", r"circles\[0\].radius"),
