@@ -291,7 +291,8 @@ def test_memory_of_a_search():
     workspace = Workspace()
     risk = np.random.default_rng(2).random((500, 400))
     find_path(risk, (0, 0), (499, 399), alpha=1.0, workspace=workspace)
-    assert 12 * risk.size < workspace.nbytes < 14 * risk.size
+    least = 12 if compiled() else 16  # lists of plain Python hold pointers
+    assert least * risk.size < workspace.nbytes < (least + 2) * risk.size
 
 
 def test_admissible_cells_takes_its_shape_from_the_map():
