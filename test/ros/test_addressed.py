@@ -107,6 +107,8 @@ def test_names_with_their_namespaces(write: Callable[[str], str]) -> None:
         ("a: 1", "'a' needs the key 'ros__parameters'"),
         ("a:\n  ros__parameters:\n    b: 1\n    b: 2\n", "line 4: 'b' is repeated"),
         ("a: {ros__parameters: {}}\na: {ros__parameters: {}}", "line 2: 'a' is repeated"),
+        ("!!map a", "is no YAML"),
+        ("? [a]\n: 1", "is no YAML"),
         ("a: {ros__parameters: 1}", "must hold parameters by name"),
         ("a: " + "{b: " * 3000, "nested too deeply"),
         ("# " + MAX_FILE_SIZE * "x", "longer than"),

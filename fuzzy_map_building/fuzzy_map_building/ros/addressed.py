@@ -17,6 +17,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
+import yaml
+
 from fuzzy_map_building.plain_yaml import PlainLoader, load_plain, shown
 from fuzzy_map_building.ros import names
 
@@ -35,12 +37,14 @@ class _Loader(PlainLoader):
 
     def construct_mapping(self, node: Any, deep: bool = False) -> dict[Any, Any]:
         """Return a mapping, or raise ValueError for a repeated key."""
-        seen = set()
-        for key, _ in node.value:
-            if key.value in seen and isinstance(key.value, str):
+        seen: set[str] = set()
+        # What is no mapping the loader refuses itself.
+        for key, _ in node.value if isinstance(node, yaml.MappingNode) else ():
+            if not isinstance(key, yaml.ScalarNode):
+                continue
+            if key.value in seen:
                 raise ValueError(f"line {key.start_mark.line + 1}: {shown(key.value)} is repeated")
-            if isinstance(key.value, str):
-                seen.add(key.value)
+            seen.add(key.value)
         return super().construct_mapping(node, deep)
 
 
