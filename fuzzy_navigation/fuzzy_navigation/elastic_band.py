@@ -18,13 +18,57 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy_map_building.types import Pose2
+from fuzzy_navigation.clearance import clearance_at
 
-__all__ = ["band", "bent_least"]
+__all__ = ["band", "bent_least", "roomy_band"]
 
 #: Steps of the method: 100 lower the energy by 2 % more.
 STEPS = 50
 #: Largest eigenvalue of the fourth difference.
 STIFFNESS = 16.0
+
+
+#: How often a point that lost room is tried with a smaller tolerance, smaller by what factor,
+#: and which loss is none [m].
+TRIALS, SMALLER, LOSS = 5, 0.4, 0.002
+
+
+def roomy_band(
+    way: NDArray[np.float64],
+    pose: Pose2 | None,
+    hits: NDArray[np.float64],
+    robot_radius: float,
+    enough: float,
+    spacing: float,
+) -> NDArray[np.float64]:
+    """Return a way that is bent less and leaves no less room, up to where there is enough.
+
+    Parameters
+    ----------
+    way, pose, spacing
+        As `band` takes them; a point is moved by half the spacing at most.
+    hits : ndarray of float64, shape (m, 2)
+        Hit points (x, y) [m].
+    robot_radius : float
+        Radius of the body [m].
+    enough : float
+        Clearance beyond which more is no better [m].
+
+    Returns
+    -------
+    ndarray of float64, shape (n, 2)
+    """
+    clearances = clearance_at(way, hits, robot_radius)
+    kept = np.minimum(clearances, enough) - LOSS
+    safe = np.clip(clearances - enough, 0.0, 0.5 * spacing)
+    tolerance = np.full(len(way), 0.5 * spacing)
+    for _ in range(TRIALS):
+        bent = band(way, pose, tolerance, spacing)
+        lost = clearance_at(bent, hits, robot_radius) < kept
+        if not lost.any():
+            return bent
+        tolerance = np.where(lost, np.maximum(SMALLER * tolerance, safe), tolerance)
+    return band(way, pose, safe, spacing)
 
 
 def band(

@@ -67,10 +67,14 @@ class Follower:
     ----------
     parameters : FollowerParameters
         Limits of the robot.
+    aligned : float
+        Heading error [rad] at which a turn on the spot ends; what is left the robot turns by as
+        it drives off.
     """
 
-    def __init__(self, parameters: FollowerParameters) -> None:
+    def __init__(self, parameters: FollowerParameters, aligned: float = ALIGNED) -> None:
         self._p = parameters
+        self._aligned = aligned
         self._path = SmoothPath((), np.zeros(1))
         self._s = np.zeros(1)
         self._xy = np.zeros((1, 2))
@@ -235,7 +239,9 @@ class Follower:
         if self._turning:
             if self._v > 0.0:
                 return self._command(0.0, self._omega, dt)
-            if abs(error) > ALIGNED or abs(self._omega) > self._p.angular_acceleration * dt:
+            still = HEADING_RATE * (self._aligned - ALIGNED)
+            still = max(self._p.angular_acceleration * dt, still)
+            if abs(error) > self._aligned or abs(self._omega) > still:
                 return self._command(0.0, -self._turn_rate(error), dt)
             self._turning = False
         v = self._approach(to_end, dt)

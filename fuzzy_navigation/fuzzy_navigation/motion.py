@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from fuzzy_map_building.types import Pose2
 from fuzzy_navigation.clearance import approach_speed, clearance_at
 from fuzzy_navigation.clearance_layer import PLENTY, best_clearance, best_places
-from fuzzy_navigation.elastic_band import band
-from fuzzy_navigation.follower import BRAKING_PART, Follower
+from fuzzy_navigation.elastic_band import roomy_band
+from fuzzy_navigation.follower import ALIGNED, BRAKING_PART, Follower
 from fuzzy_navigation.mission_types import Stop
 from fuzzy_navigation.params import MotionParameters
 from fuzzy_navigation.planned_path import PlannedPath
@@ -43,6 +43,8 @@ SPARE = 0.03
 STALE_WAY, CRAWL = 0.05, 0.05
 #: Speed that is allowed at any clearance [m/s].
 LEAST_SPEED = 0.1
+#: Heading error at which a turn on the spot ends, of a robot that maps on its way [rad].
+ROUGHLY_ALIGNED = math.radians(15.0)
 
 
 class Motion:
@@ -59,7 +61,8 @@ class Motion:
         self._rule = stop_rule(parameters.clearance, parameters.layer)
         # What the layer says of a cell, the way that is driven through it must keep as well.
         self._floor = ClosingClearance(parameters.layer.closed, parameters.layer.closed)
-        self._follower = Follower(parameters.follower)
+        aligned = ROUGHLY_ALIGNED if parameters.concurrent else ALIGNED
+        self._follower = Follower(parameters.follower, aligned)
         # Clearance beyond which more is no better for where to drive in a cell [m].
         self._enough = parameters.clearance.limit + SPARE if parameters.concurrent else PLENTY
         self.forget()
@@ -155,13 +158,7 @@ class Motion:
         return self._follower.remaining + float(np.hypot(steps[:, 0], steps[:, 1]).sum())
 
     def begin(
-        self,
-        pose: Pose2,
-        path: PlannedPath,
-        goal: Pose2,
-        reach: int,
-        relaxed: bool,
-        hits: NDArray[np.float64],
+        self, pose: Pose2, path: PlannedPath, goal: Pose2, reach: int, relaxed: bool, hits: Points
     ) -> None:
         """Set out on a path.
 
@@ -185,12 +182,7 @@ class Motion:
         self._lay(pose, path, goal, reach, hits)
 
     def divert(
-        self,
-        pose: Pose2,
-        path: PlannedPath,
-        goal: Pose2,
-        reach: int,
-        hits: NDArray[np.float64],
+        self, pose: Pose2, path: PlannedPath, goal: Pose2, reach: int, hits: Points
     ) -> None:
         """Go over to another path without a stop; the parameters are those of `begin`."""
         self.tighten()
@@ -302,11 +294,9 @@ class Motion:
         return best_places(self._path.points[part], hits, radius, shift, planned)
 
     def _smoothed(self, way: Points, pose: Pose2, hits: Points, moving: bool) -> Points:
-        """Return a way from a pose on, bent less in its cells where there is room enough."""
-        side = self._path.resolution
-        spare = clearance_at(way, hits, self._p.robot_radius) - self._enough
-        tolerance = np.clip(spare, 0.0, 0.5 * side)
-        return band(way, pose if moving else None, tolerance, side)
+        """Return a way from a pose on, bent less in its cells where that costs no room."""
+        side, radius = self._path.resolution, self._p.robot_radius
+        return roomy_band(way, pose if moving else None, hits, radius, self._enough, side)
 
     def _narrow(self, place: tuple[float, float], hits: NDArray[np.float64]) -> bool:
         """Whether a place leaves the body so little room that a better one is sought."""
@@ -335,8 +325,11 @@ class Motion:
             self._targets[ahead] = way[1:]
         self._follower.follow(way, moving=True)
 
-    def _wary_speed(self, pose: Pose2, suspected: NDArray[np.float64], lag: float) -> float:
-        """Return the speed [m/s] from which the robot stops at its least clearance."""
+    def _wary_speed(self, pose: Pose2, suspected: Points, lag: float) -> float:
+        """Return the speed [m/s] from which the robot stops at its least clearance.
+
+        An echo tells no direction: it counts as if it lay ahead.
+        """
         clearance = clearance_at((pose.x, pose.y), suspected, self._p.robot_radius)[0]
         room = float(clearance) - self._p.clearance.limit
         deceleration = BRAKING_PART * self._p.follower.linear_acceleration
@@ -375,10 +368,7 @@ class Motion:
         return stop_at, max_speed
 
     def _blocked(
-        self,
-        clearances: NDArray[np.float64],
-        first: int,
-        hits: NDArray[np.float64],
+        self, clearances: NDArray[np.float64], first: int, hits: Points
     ) -> NDArray[np.bool_]:
         """Tell which steps along the path's points from the first one on must not be made.
 

@@ -17,6 +17,7 @@ from nomad_sim.ground_truth import occupancy
 from nomad_sim.infrared import InfraredRing
 from nomad_sim.odometry import Odometry
 from nomad_sim.params import SimulatorParameters, simulator_parameters
+from nomad_sim.perception_count import PerceptionCount
 from nomad_sim.robot import ROUNDING, Velocity, arc, drive, turned
 from nomad_sim.sonar import SonarEvent, SonarRing
 from nomad_sim.surfaces import Surfaces
@@ -101,7 +102,7 @@ class Simulator:
         self._velocity = Velocity()
         self._turret_angle = 0.0
         self._turret_target = 0.0
-        self._perceptions = 0
+        self._perceptions = PerceptionCount()
         self._contact = False
         self._contacts = 0
         self._events: list[SonarEvent] = []
@@ -155,11 +156,16 @@ class Simulator:
             raise ValueError(
                 f"a turret angle must be finite and within {_TURRET_LIMIT:g} rad, got {angle}"
             )
+        if angle != self._turret_target:
+            self._perceptions.turn(self._velocity.linear)
         self._turret_target = float(angle)
 
     def perception_taken(self) -> None:
-        """Count a perception, for obstacles that come and go with them."""
-        self._perceptions += 1
+        """Count a perception that the robot stood for, for obstacles that come and go with them.
+
+        Those of a robot that maps on its way count of themselves, see `PerceptionCount`.
+        """
+        self._perceptions.take()
 
     # What the robot and its sensors tell.
 
@@ -217,7 +223,7 @@ class Simulator:
     @property
     def perceptions(self) -> int:
         """Number of perceptions counted."""
-        return self._perceptions
+        return self._perceptions.taken
 
     @property
     def least_clearance(self) -> float:
@@ -235,7 +241,7 @@ class Simulator:
     # How a part of a step goes.
 
     def _surfaces(self, nanoseconds: int) -> Surfaces:
-        return self.world.surfaces(nanoseconds / _NANO, self._perceptions)
+        return self.world.surfaces(nanoseconds / _NANO, self._perceptions.taken)
 
     def _advance(self, command: Velocity, spans: Sequence[tuple[int, int]]) -> None:
         """Move and fire the sonars that are due.
@@ -279,6 +285,7 @@ class Simulator:
             self._velocity = Velocity(linear, angular) if part == 1.0 else Velocity()
             self._pose = Pose2(x, y, theta)
             arcs.append((linear * moving, angular * moving))
+            self._perceptions.drive(linear * moving)
             self._turret_angle = turned(turret, self._turret_target, rate * dt)
             self._nanoseconds = end
             self._feel(blocked=part < 1.0)

@@ -145,7 +145,7 @@ class MovingObstacle:
         It is there from the first time on and before the second [s].
     perceptions : tuple of float
         It is there from when the first number of perceptions has been taken and until the
-        second has: (0, 16) is seen by the first 16 perceptions.
+        second has: (0, 16) is seen by the first 16 perceptions (`PerceptionCount`).
     """
 
     name: str

@@ -202,7 +202,8 @@ def test_mapping_while_moving_is_for_mapper_and_motion_and_files_come_after(
     file.touch()
     commands = node_commands("", [file], concurrent=True)
     given = ["--params-file", str(file)]
-    settings = ["-p", "mode:=continuous", "-p", "fusion.max_count:=12"]
+    mapper = ("mode:=continuous", "fusion.max_count:=6", "consistency.max_offset:=0.2")
+    settings = [word for setting in mapper for word in ("-p", setting)]
     assert commands["mapper"][3:] == ["--ros-args", *settings, *given]
     assert commands["planner"][3:] == ["--ros-args", *given]
     assert commands["motion"][3:] == ["--ros-args", "-p", "concurrent:=true", *given]

@@ -9,8 +9,8 @@ How the ticks follow each other in wall time is decided by `TickGate`: parameter
 
 Obstacles that come and go with the number of perceptions need that number. Everybody who
 listens to an action's status sees its goals succeed, so a completed ``build_map`` is
-counted here without the mapper knowing of it; maps taken in the mapper's continuous mode
-are no such goals and do not count.
+counted here without the mapper knowing of it. Those of a robot that maps on its way the simulator
+counts by the turret that turns while the robot drives.
 
 ``reset`` begins anew with the same seed. Parameters of the robot, the sensors and the
 noise that were changed meanwhile take effect with it. The stamps do not go back; they jump

@@ -216,7 +216,7 @@ def test_where_a_stop_condition_holds_it_plans_at_once_and_perceives_if_no_path_
         if leads_on:
             here = (script.pose.x, script.pose.y)
             script.seen = lambda x, y, direction: math.inf
-            script.plan(commands, cells_along(here, (here[0], 3.05)))
+            script.plan(commands, cells_along(here, (here[0] + 1.0, here[1] + 1.0)))
             assert script.mission.phase is Phase.MOVING
             assert script.mission.feedback().perceptions == 1
         else:
@@ -229,6 +229,26 @@ def test_where_a_stop_condition_holds_it_plans_at_once_and_perceives_if_no_path_
                     break
                 commands = script.refuse(commands)
             assert finish_of(commands).outcome is Outcome.UNREACHABLE
+
+
+@pytest.mark.parametrize("angle", [60.0, 90.0, 180.0])
+def test_a_robot_that_has_stopped_looks_before_it_goes_elsewhere(angle: float) -> None:
+    script = Concurrent()
+    script.seen = wall_at(3.0)
+    script.set_out(GOAL)
+    script.ticks(5)
+    commands = script.run()
+    x, y = script.pose.x, script.pose.y
+    script.seen = lambda x, y, direction: math.inf
+    away = x + math.cos(math.radians(angle)), y + math.sin(math.radians(angle))
+    plan = cells_along((x, y), away)
+    commands = script.plan(commands, plan)
+    if angle == 60.0:
+        assert script.mission.phase is Phase.MOVING
+        return
+    assert isinstance(commands[-1], Perceive)
+    script.plan(script.perceive(commands), plan)
+    assert script.mission.phase is Phase.MOVING
 
 
 def test_maps_on_the_way_count_as_perceptions_by_the_way_and_come_to_the_cap() -> None:

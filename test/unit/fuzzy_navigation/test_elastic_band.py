@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import NonlinearConstraint, minimize
 
 from fuzzy_map_building.types import Pose2
-from fuzzy_navigation.elastic_band import band, bent_least
+from fuzzy_navigation.elastic_band import band, bent_least, roomy_band
 
 #: Cells of a path that goes up a slope of 1 in 3.
 STAIRS = np.array([(0.1 * k, 0.1 * (k // 3)) for k in range(13)])
@@ -81,3 +81,32 @@ def test_the_way_of_a_robot_that_moves_begins_in_its_direction() -> None:
         dx, dy = way[1] - way[0]
         first[robot] = np.arctan2(dy, dx)
     assert abs(first[pose] - 0.4) < abs(first[None] - 0.4)
+
+
+@pytest.mark.parametrize("side", [0.0, 0.4, 0.5, 0.7])
+def test_a_band_with_room_loses_none_and_bends_less(side: float) -> None:
+    rng = np.random.default_rng(7)
+    energies = np.zeros(2)
+    for _ in range(20):
+        way = STAIRS + rng.uniform(-0.03, 0.03, STAIRS.shape)
+        wall = np.column_stack((np.linspace(0.0, 1.2, 25), np.linspace(0.0, 0.4, 25) - 0.36))
+        other = np.column_stack((wall[:, 0], wall[:, 1] + 0.36 + side))
+        hits = np.vstack([wall, other]) if side else np.empty((0, 2))
+        bent = roomy_band(way, None, hits, 0.23, 0.15, 0.1)
+        np.testing.assert_array_equal(bent[[0, -1]], way[[0, -1]])
+        assert np.hypot(*(bent - way).T).max() <= 0.05 + 1e-9
+        energies += energy(way), energy(bent)
+        for old, new in zip(way, bent, strict=True):
+            before = min((np.hypot(*(h - old)) - 0.23 for h in hits), default=np.inf)
+            after = min((np.hypot(*(h - new)) - 0.23 for h in hits), default=np.inf)
+            assert after >= min(before, 0.15) - 0.002 - 1e-9
+    assert energies[1] < 0.6 * energies[0]
+
+
+def test_points_with_little_room_move_along_the_wall() -> None:
+    # A zigzag 0.1 m from a wall: there is nowhere enough room to move by a spare of it.
+    way = np.array([(0.1 * k, 0.33 + 0.02 * (k % 2)) for k in range(13)])
+    wall = np.array([(0.02 * k, 0.0) for k in range(-10, 80)])
+    bent = roomy_band(way, None, wall, 0.23, 0.15, 0.1)
+    assert energy(bent) < 0.7 * energy(way)
+    assert (bent[1:-1, 1] >= way[1:-1, 1] - 0.0025).all()

@@ -65,6 +65,15 @@ def test_before_it_sets_out_it_turns_on_the_spot_the_short_way(heading: float) -
     assert turned < abs(math.remainder(heading, 2.0 * math.pi)) + 0.1
 
 
+def test_a_turn_on_the_spot_may_end_before_the_robot_is_aligned() -> None:
+    exact = drive(line(1.0), 2.0)
+    loose = drive(line(1.0), 2.0, Follower(LIMITS, aligned=math.radians(15.0)))
+    start = int(np.argmax(loose[:, 4] > 0.0))
+    assert math.radians(5.0) < loose[start, 3] < math.radians(18.0)
+    assert np.abs(loose[:, 2]).max() < 0.02
+    assert loose[-1, 0] < exact[-1, 0] - 0.3
+
+
 def test_a_staircase_is_driven_as_the_straight_line_that_it_means() -> None:
     steps = np.array([(0, 0)] + 15 * [(1, 0), (1, 1)])
     points = 0.1 * np.cumsum(steps, axis=0)
