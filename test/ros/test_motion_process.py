@@ -102,7 +102,9 @@ def test_a_fault_while_it_drives_leaves_the_robot_standing(
     wait_until(lambda: scene.robot.stands, "the last command")
     assert max(v for _, v, _ in scene.robot.commands) > 0.3, "it did not drive: the test is void"
     last = scene.motion.output().strip().splitlines()[-1]
-    assert last == "motion: ended by a fault in the program: RuntimeError: a fault in the mission"
+    assert last == (
+        "fuzzy_motion: ended by a fault in the program: RuntimeError: a fault in the mission"
+    )
     # Whoever sent the goal learns of it as well.
     assert scene.probe.result_of(answer, "the last verdict").result.outcome == RESULT.CANCELED
 

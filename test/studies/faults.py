@@ -62,7 +62,8 @@ CASES = (
     Case("sonars deaf", _lasting("deaf sonar")),
     Case("sonars 0.1 m too long", _lasting("biased sonar offset=0.1")),
     Case("sonars 0.1 m too short", _lasting("biased sonar offset=-0.1")),
-    Case("crosstalk", simulator={"sonar.crosstalk_reflections": 2}),
+    # Sonars of one ring that fire together look too far apart to hear each other in these rooms.
+    Case("crosstalk of other robots' sonars", _lasting("noisy sonar share=0.1")),
     Case("bursts of noise, sonars", "noisy sonar share=0.5 start=5 end=7 every=10"),
     Case("infrareds blind to glass", simulator={"infrared.sees_glass": False}),
     Case("infrared ahead blind", _lasting("deaf infrared sensors=0")),
