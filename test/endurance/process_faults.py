@@ -150,7 +150,6 @@ def play(stack: Stack, name: str, goal: tuple[float, float], delay: float, fate:
     )
     if result.done():
         return False
-    stack.truth.clear()
     killed = time.monotonic()
     stack.kill(name)
     if name == "motion":
