@@ -26,9 +26,6 @@ Points = NDArray[np.float64]
 NEAR = 0.5
 #: Stops in a row without progress after which points whose distance is a guess are remembered.
 GUESSES_BELIEVED = 2
-#: How much closer the robot may have come, since the perception, to what sonars found too close to
-#: measure then, until it may touch the body [m].
-NEARED = 0.03
 #: Infrareds of one perception that tell now of this, now of that, from which on there is a doubt.
 UNSTEADY = 3
 
@@ -104,7 +101,7 @@ class Surroundings:
                 seen = self._ring.hits(now, limit)
                 far = [echo for echo in sonar if echo.range > -math.inf]
                 self._memory.add(self._unseen(far, seen, guard.motion_reach))
-                self._memory.add(self._touching(sonar, seen, pose), guessed=True)
+                self._memory.add(self._touching(sonar, seen), guessed=True)
             if layer.enabled:
                 self._memory.pass_by(pose, self._ring.hits(now, limit))
 
@@ -232,17 +229,11 @@ class Surroundings:
         echoes = [echo for echo in self._echoes.values() if now - echo.stamp <= limit]
         return self._unseen(echoes, self._ring.hits(now, limit), p.sonar_guard.perception_reach)
 
-    def _touching(self, sonar: Sequence[SonarReading], seen: Points, pose: Pose2) -> Points:
-        """Return where something may be that is too close to measure, and was not before."""
+    def _touching(self, sonar: Sequence[SonarReading], seen: Points) -> Points:
         p = self._p
         if all(echo.range > -math.inf for echo in sonar):
             return np.empty((0, 2))
-        # What was too close at the perception is no closer while the robot turns or passes by.
-        points = self._memory.points
-        guesses = points[len(points) - self._memory.guesses :]
-        least = p.sonar.mount_radius + p.sonar.min_range - p.robot_radius - NEARED
-        apart = clearance_at(guesses, np.array([[pose.x, pose.y]]), p.robot_radius) >= least
-        known = np.vstack([seen, self._memory.measured, guesses[apart]])
+        known = np.vstack([seen, self._memory.measured])
         return rim_points(sonar, known, p.sonar, p.sonar_guard, p.robot_radius)
 
     def _unseen(self, sonar: Sequence[SonarReading], seen: Points, reach: float) -> Points:

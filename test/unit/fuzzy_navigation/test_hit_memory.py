@@ -159,27 +159,6 @@ class TestSurroundings:
         assert as_set(here.near(2.0, pose, 1)) == set()
         assert as_set(here.near(2.0, pose, 2)) == rim
 
-    @pytest.mark.parametrize(
-        ("x", "y", "touches"),
-        [(1.0, 2.0, False), (1.04, 2.0, False), (1.0, 2.02, False), (1.0, 2.05, True)],
-    )
-    def test_an_echo_as_close_as_at_the_perception_is_no_news_until_the_robot_comes_closer(
-        self, x: float, y: float, touches: bool
-    ) -> None:
-        here = around(**GUARD)
-        here.begin_perception()
-        here.update(1.0, Pose2(1.0, 2.0), ring(1.0, 1.0), [echo(-math.inf, 4)])
-        here.end_perception()
-        before = as_set(here.remembered)
-        assert len(before) == 3
-        # The sonar on the left, whichever way the robot has turned.
-        turned = SonarReading(Pose2(x, y, 0.5), math.pi / 2.0 - 0.5, -math.inf, 2.0, 4)
-        here.update(2.0, Pose2(x, y, 0.5), [], [turned])
-        rim = as_set(here.remembered) - before
-        assert len(rim) == (3 if touches else 0)
-        for px, py in rim:
-            assert math.hypot(px - x, py - y) == pytest.approx(0.23)
-
     def test_at_rest_nothing_is_remembered(self) -> None:
         here = around(**LAYER, **GUARD)
         here.begin_perception()
