@@ -58,6 +58,7 @@ def test_bad_goals_are_refused_and_the_running_one_goes_on(scene: Scene) -> None
         assert answer.status == GoalStatus.STATUS_ABORTED
         assert answer.result.outcome == RESULT.FAILED
         assert reason in answer.result.message
+        assert answer.result.min_clearance == math.inf  # nothing was measured
     scene.counts(
         navigate__wrong_frame=1,
         navigate__not_finite=2,

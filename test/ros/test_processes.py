@@ -95,6 +95,21 @@ def test_what_ignores_the_stop_is_killed(tmp_path: Path) -> None:
     assert not runs(pid)
 
 
+def test_a_process_that_an_interrupt_meets_before_it_leads_a_group_ends_as_well(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def leaderless(_: int, __: int) -> None:
+        raise ProcessLookupError
+
+    group = ProcessGroup(grace=0.2)
+    polite = start(group, "polite", POLITE, tmp_path)
+    stubborn = start(group, "stubborn", STUBBORN, tmp_path)
+    monkeypatch.setattr(os, "killpg", leaderless)
+    assert group.stop() == {"polite": 0, "stubborn": -signal.SIGKILL}
+    assert not runs(polite)
+    assert not runs(stubborn)
+
+
 def test_leaving_the_context_by_an_error_ends_the_processes(tmp_path: Path) -> None:
     pids = []
 

@@ -255,10 +255,11 @@ class MotionNode(Node):
         try:
             pose = requested_pose(goal, "the goal")
             if self._map is not None and not self._map[0].contains(pose.x, pose.y):
+                x0, y0, x1, y1 = self._map[0].bounds
                 raise Refused(
                     "outside",
-                    f"the goal ({pose.x:.2f}, {pose.y:.2f}) m lies outside the map, whose bounds "
-                    f"are {self._map[0].bounds} m",
+                    f"the goal ({pose.x:.2f}, {pose.y:.2f}) m lies outside the map, which covers "
+                    f"x {x0:g} to {x1:g} m and y {y0:g} to {y1:g} m",
                 )
             commands = self._mission.start(self._now(), pose, round(tolerance, DECIMALS))
         except ValueError as error:

@@ -8,6 +8,7 @@ could not say why.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 from builtin_interfaces.msg import Time
@@ -94,9 +95,7 @@ class NavigateServer:
     async def _execute(self, handle: ServerGoalHandle) -> Navigate.Result:
         if handle.is_cancel_requested:
             handle.canceled()
-            return Navigate.Result(
-                outcome=Navigate.Result.CANCELED, message="cancelled before it began"
-            )
+            return _nothing_done(Navigate.Result.CANCELED, "cancelled before it began")
         verdict = Future()
         key = bytes(handle.goal_id.uuid)
         try:
@@ -105,7 +104,7 @@ class NavigateServer:
             )
         except ValueError as error:
             handle.abort()
-            return Navigate.Result(outcome=Navigate.Result.FAILED, message=str(error))
+            return _nothing_done(Navigate.Result.FAILED, str(error))
         self._missions[key], self._running[mission] = mission, handle
         finish: Finish = await verdict
         del self._missions[key], self._running[mission]
@@ -123,3 +122,8 @@ class NavigateServer:
             min_clearance=finish.min_clearance,
             duration=finish.duration,
         )
+
+
+def _nothing_done(outcome: int, message: str) -> Navigate.Result:
+    """Return the result of a goal for which the robot did nothing, and measured nothing."""
+    return Navigate.Result(outcome=outcome, message=message, min_clearance=math.inf)

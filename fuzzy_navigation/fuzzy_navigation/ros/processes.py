@@ -293,7 +293,7 @@ class ProcessGroup:
         while self.running and time.monotonic() < end:
             time.sleep(PERIOD)
         for process in self._running.values():
-            os.killpg(process.pid, signal.SIGKILL)
+            _kill_group(process.pid)
         while self.running:
             time.sleep(PERIOD)
         self._dismiss_guardian()
@@ -305,7 +305,7 @@ class ProcessGroup:
             # Not reaped before its group is killed: until then nobody can get its id.
             if os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT) is None:
                 continue
-            os.killpg(process.pid, signal.SIGKILL)
+            _kill_group(process.pid)
             del self._running[name]
             self._ended.append(Ended(name, process.wait()))
             self._tell_guardian(f"-{process.pid}\n")
@@ -322,3 +322,12 @@ class ProcessGroup:
         with contextlib.suppress(BrokenPipeError):
             self._guardian.stdin.close()
         self._guardian.wait()
+
+
+def _kill_group(pid: int) -> None:
+    """Kill a process that is not reaped yet, and all that it started."""
+    try:
+        os.killpg(pid, signal.SIGKILL)
+    except ProcessLookupError:
+        # An interrupt from the terminal has met it before it had a session of its own.
+        os.kill(pid, signal.SIGKILL)
