@@ -105,6 +105,15 @@ def test_a_tick_that_tells_no_pose_has_no_answer_to_wait_for() -> None:
     assert gate.engaged
 
 
+def test_a_pose_that_nobody_answered_is_not_waited_for_after_a_tick_without_one() -> None:
+    gate = TickGate(0.0, 0.0, lockstep=True, timeout=1.0)
+    gate.ticked(0.0, 5.0)  # nobody commands yet
+    gate.ticked(0.1, None)
+    gate.answered(0.2, 4.0)
+    assert gate.engaged
+    assert gate.wait(0.2) == 0.0
+
+
 def test_in_lockstep_an_early_command_does_not_break_the_pace() -> None:
     gate = TickGate(0.0, 0.2, lockstep=True)
     gate.ticked(0.0, 0.0)
