@@ -40,7 +40,9 @@ class ReadingAssembler:
         Angles of the turret; unused without one.
     rejected, infrared_rejected : dict of str to int
         Ranges of sonars and of infrareds given up, by reason: ``future``, ``duplicate``,
-        ``out_of_order``, ``no_pose``, ``no_turret``, ``overflow``.
+        ``out_of_order``, ``no_pose``, ``no_turret``, ``overflow``; and ``before_pose``,
+        ``before_turret`` for those from before the first pose or angle was heard, as whoever
+        joins a robot that runs hears some.
     examples, infrared_examples : dict of str to str
         The range given up last, in words, by reason.
     """
@@ -190,7 +192,11 @@ class _Ring:
                 released.append((pose, self._bearings[sensor] + angle, value, stamp, sensor))
             else:
                 overdue = now - stamp > self._limits.pose_timeout
-                if pose is None and (overdue or poses.missed(stamp)):
+                if pose is None and poses.precedes(stamp):
+                    self._reject("before_pose", sensor, _unplaced(stamp, now, poses.newest))
+                elif angle is None and self._turret is not None and self._turret.precedes(stamp):
+                    self._reject("before_turret", sensor, _unplaced(stamp, now, poses.newest))
+                elif pose is None and (overdue or poses.missed(stamp)):
                     self._reject("no_pose", sensor, _unplaced(stamp, now, poses.newest))
                 elif angle is None and (
                     overdue or (self._turret is not None and self._turret.missed(stamp))

@@ -44,6 +44,7 @@ class StampedBuffer(ABC, Generic[T]):
         self._horizon = horizon
         self._stamps: list[float] = []
         self._values: list[T] = []
+        self._first: float | None = None
         #: Samples refused, by reason: ``not_finite``, ``duplicate``, ``out_of_order``.
         self.rejected: dict[str, int] = {}
         #: The sample refused last, in words, by reason.
@@ -60,6 +61,7 @@ class StampedBuffer(ABC, Generic[T]):
 
     def clear(self) -> None:
         """Forget all samples, e.g. after the clock was set back; counts stay."""
+        self._first = None
         self._stamps.clear()
         self._values.clear()
 
@@ -77,6 +79,8 @@ class StampedBuffer(ABC, Generic[T]):
         if newest is not None and stamp <= newest:
             reason = "duplicate" if stamp == newest else "out_of_order"
             return self.refuse(reason, f"stamped {stamp:.3f} s, after {newest:.3f} s")
+        if self._first is None:
+            self._first = stamp
         self._stamps.append(stamp)
         self._values.append(value)
         # Dropped half by half, so that a sample costs constant time on average.
@@ -107,6 +111,11 @@ class StampedBuffer(ABC, Generic[T]):
         """Whether `stamp` [s] has no value and no later sample can give it one."""
         newest = self.newest
         return newest is not None and stamp <= newest and self.at(stamp) is None
+
+    def precedes(self, stamp: float) -> bool:
+        """Whether `stamp` [s] lies a little before the first sample of all, within the horizon."""
+        first = self._first
+        return first is not None and first - self._horizon <= stamp < first
 
     def refuse(self, reason: str, example: str) -> bool:
         """Count a sample that cannot be taken, for which `example` stands, and return False."""

@@ -9,7 +9,8 @@ from collections.abc import Iterator
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
-from fuzzy_map_building.ros import names, qos
+from fuzzy_map_building.ros import clock_gate, names, qos
+from fuzzy_map_building.ros.clock_gate import ClockGate
 from fuzzy_map_building.ros.diagnostics import Diagnostics
 from ros.harness import Probe, Received
 
@@ -21,6 +22,7 @@ TOLD = {"late": "too late for a pose", "nan": "faulty"}
 class Bench:
     def __init__(self, probe: Probe) -> None:
         self.problem = ""
+        self.node = probe.node
         self.received: Received[DiagnosticArray] = probe.subscribe(
             DiagnosticArray, names.DIAGNOSTICS, qos.RELIABLE
         )
@@ -93,3 +95,36 @@ def test_counters_of_the_core_are_followed(bench: Bench) -> None:
     # A counter of a new object begins at nothing.
     bench.diagnostics.follow("sonar", {"late": 1}, TOLD, SHOWN)
     assert bench.diagnostics.total("sonar") == 7
+
+
+def test_what_is_no_fault_is_counted_without_a_warning(
+    bench: Bench, capfd: pytest.CaptureFixture[str]
+) -> None:
+    bench.diagnostics._timer.cancel()
+    bench.diagnostics.follow("sonar", {"early": 3}, {"early": ""}, {"early": "sonar 1"})
+    status = bench.status()
+    assert (status.level, status.message) == (DiagnosticStatus.OK, "ok")
+    assert values(status)["rejected.sonar.early"] == "3"
+    assert "sonar" not in capfd.readouterr().err
+
+
+def test_before_simulated_time_has_begun_stamps_are_no_fault_for_a_while(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    bench.diagnostics._timer.cancel()
+    now = [0.0]
+    monkeypatch.setattr(clock_gate, "now_seconds", lambda _: now[0])
+    gate = ClockGate(bench.node, bench.diagnostics)
+    assert not gate.admits("pose")
+    assert bench.status().level == DiagnosticStatus.OK
+    assert capfd.readouterr().err == ""
+    monkeypatch.setattr(clock_gate, "PATIENCE", 0.0)
+    assert not gate.admits("pose")
+    status = bench.status()
+    assert "nothing comes by '/clock'" in status.message
+    assert {k: v for k, v in values(status).items() if k != "colour"} == {
+        "rejected.pose.before_clock": "1",
+        "rejected.pose.no_clock": "1",
+    }
+    now[0] = 3.0
+    assert gate.admits("pose")

@@ -4,15 +4,21 @@
 
 from __future__ import annotations
 
+import importlib
 import os
+import re
 import signal
 import subprocess
 import sys
 import textwrap
+from pathlib import Path
 
 import pytest
 
 from fuzzy_map_building.ros.run import stop_on_signals
+from ros.harness import EXECUTABLES
+
+ROOT = Path(__file__).resolve().parents[2]
 
 PREAMBLE = """
     import os, signal, sys
@@ -166,3 +172,20 @@ def test_a_node_that_fails_may_still_say_what_matters() -> None:
     told = done.stderr.strip().splitlines()[-1]
     assert told == "-c: ended by a fault in the program: RuntimeError: a fault in two lines"
     assert "a second fault" not in done.stderr
+
+
+@pytest.mark.parametrize("executable", ["mapper", "planner", "motion", "sim"])
+def test_help_is_a_usage_and_starts_nothing(
+    executable: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    package, module = EXECUTABLES[executable]
+    monkeypatch.setattr(sys, "argv", [executable, "--help"])
+    assert importlib.import_module(module).main() == 0
+    told, errors = capsys.readouterr()
+    assert errors == ""
+    assert told.startswith(f"usage: {executable} ")
+    assert f"ros2 run {package} {executable}" in told
+    assert all(word in told for word in ("--params-file FILE", "-p NAME:=VALUE", "-r FROM:=TO"))
+    assert max(map(len, told.splitlines())) < 100
+    (config,) = re.findall(r"share/(\w+/config/\w+\.yaml)", told)
+    assert (ROOT / config).is_file()

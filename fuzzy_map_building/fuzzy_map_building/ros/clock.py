@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from typing import Final
@@ -19,6 +20,7 @@ __all__ = [
     "PatientTime",
     "StallWatch",
     "create_steady_timer",
+    "known_seconds",
     "nanoseconds_from_stamp",
     "now_seconds",
     "on_clock_set_back",
@@ -35,6 +37,11 @@ _SET_BACK: Final = 0.5
 def now_seconds(node: Node) -> float:
     """Return the node's time [s]; 0 while simulated time has not begun."""
     return float(node.get_clock().now().nanoseconds) / _NANOSECONDS
+
+
+def known_seconds(node: Node) -> float:
+    """Return the node's time [s]; infinite while simulated time has not begun."""
+    return now_seconds(node) or math.inf
 
 
 def seconds_from_stamp(stamp: Time) -> float:

@@ -98,6 +98,16 @@ class Diagnostics:
                 f"refused on {self._last} ({self._counts[key]} so far)"
             )
 
+    def note(self, source: str, reason: str, count: int = 1) -> None:
+        """Count what was not used although nothing is wrong: no line in the log, no warning.
+
+        Parameters
+        ----------
+        source, reason, count
+            As `reject` takes them.
+        """
+        self._counts[f"{source}.{reason}"] += count
+
     def follow(
         self,
         source: str,
@@ -114,7 +124,7 @@ class Diagnostics:
         totals : mapping of str to int
             Running totals by reason; one that shrinks is taken for a new counter's.
         explanations : mapping of str to str
-            The sentence for the log by reason.
+            The sentence for the log by reason; empty for what is only noted.
         examples : mapping of str to str
             What was refused last, in words, by reason.
         """
@@ -123,7 +133,10 @@ class Diagnostics:
             return
         for reason, total in totals.items():
             before = seen.get(reason, 0)
-            if count := total - before if total >= before else total:
+            count = total - before if total >= before else total
+            if count and not explanations[reason]:
+                self.note(source, reason, count)
+            elif count:
                 text = f"{examples[reason]}: {explanations[reason]}"
                 self.reject(source, reason, text, count)
         self._followed[source] = dict(totals)

@@ -10,7 +10,7 @@ __all__ = ["explanations"]
 
 
 def explanations(limits: PerceptionParameters, *, named: bool = True) -> dict[str, str]:
-    """Return the sentence for each word.
+    """Return the sentence for each word; an empty one where nothing is wrong.
 
     Parameters
     ----------
@@ -35,6 +35,8 @@ def explanations(limits: PerceptionParameters, *, named: bool = True) -> dict[st
         "repeat its stamps?",
         "out_of_order": "a stamp lies before the one that came last from the same source; are "
         "there two publishers?",
+        "before_pose": "",
+        "before_turret": "",
         "no_pose": f"no two poses {unplaced}",
         "no_turret": f"no two turret angles {unplaced}",
         "overflow": "too many readings wait for poses; do these come?",

@@ -39,6 +39,7 @@ from fuzzy_map_building.ros import conversions, names, qos
 from fuzzy_map_building.ros.backlog import take_waiting
 from fuzzy_map_building.ros.build_map_server import BuildMapServer, FusedPacket
 from fuzzy_map_building.ros.clock import create_steady_timer, now_seconds, on_clock_set_back
+from fuzzy_map_building.ros.clock_gate import ClockGate
 from fuzzy_map_building.ros.conversions import Refused
 from fuzzy_map_building.ros.diagnostics import Diagnostics
 from fuzzy_map_building.ros.explanations import explanations
@@ -80,6 +81,7 @@ class MapperNode(Node):
         self._turret = self.create_publisher(Float64, names.TURRET_COMMAND, qos.RELIABLE)
         self._diagnostics = Diagnostics(self, self._diagnostic_values, self._problem)
         self._settings.on_refusal = self._diagnostics.reject
+        self._gate = ClockGate(self, self._diagnostics)
         if refusal:
             self._refuse_snapshot(f"the map begins empty: {refusal}")
         self._build_map = BuildMapServer(
@@ -140,7 +142,8 @@ class MapperNode(Node):
         except Refused as refused:
             self._diagnostics.reject(names.POSE, refused.reason, str(refused))
             return
-        self._assembler.add_pose(stamp, pose, now_seconds(self))
+        if self._gate.admits(names.POSE):
+            self._assembler.add_pose(stamp, pose, now_seconds(self))
         self._advance()
 
     def _on_joint_state(self, message: JointState) -> None:
@@ -149,8 +152,8 @@ class MapperNode(Node):
         except Refused as refused:
             self._diagnostics.reject(names.JOINT_STATES, refused.reason, str(refused))
             return
-        if sample is None:
-            return  # another joint's
+        if sample is None or not self._gate.admits(names.JOINT_STATES):
+            return  # another joint's, or too early
         if self._assembler.add_turret(*sample, now_seconds(self)) and self._build_map.sequence:
             self._build_map.sequence.on_turret(*sample)
         self._advance()
@@ -170,7 +173,8 @@ class MapperNode(Node):
         except Refused as refused:
             self._diagnostics.reject(names.SONAR, refused.reason, str(refused))
             return
-        self._assembler.add_range(sample.sensor, sample.stamp, sample.range, now_seconds(self))
+        if self._gate.admits(names.SONAR):
+            self._assembler.add_range(sample.sensor, sample.stamp, sample.range, now_seconds(self))
 
     def _on_infrared(self, message: Range) -> None:
         self._take_infrared(message)
@@ -186,7 +190,10 @@ class MapperNode(Node):
         except Refused as refused:
             self._diagnostics.reject(names.INFRARED, refused.reason, str(refused))
             return
-        self._assembler.add_infrared(sample.sensor, sample.stamp, sample.range, now_seconds(self))
+        if self._gate.admits(names.INFRARED):
+            self._assembler.add_infrared(
+                sample.sensor, sample.stamp, sample.range, now_seconds(self)
+            )
 
     def _on_clock_reset(self, jump: TimeJump) -> None:
         self._assembler.clear()

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import contextlib
 import gc
+import itertools
 import os
 import re
 import signal
@@ -35,6 +36,7 @@ from rclpy.utilities import remove_ros_args
 from fuzzy_map_building import jit
 from fuzzy_map_building.ros.addressed import Addressed
 from fuzzy_map_building.ros.readiness import tell_ready
+from fuzzy_map_building.ros.usage import USAGES
 
 __all__ = [
     "DISCOVERY_RANGE",
@@ -123,13 +125,16 @@ def spin_node(
     Returns
     -------
     int
-        Exit code: 0 after a signal, or when a callback has shut rclpy down; `EXIT_REFUSED`
-        when the node could not start because the command line, a parameter or a file was
-        refused, the reason then being one line on stderr; `EXIT_FAULT` when a callback has
-        raised, which is told in the last line on stderr, after the traceback.
+        Exit code: 0 after ``--help``, after a signal, or when a callback has shut rclpy down;
+        `EXIT_REFUSED` when the node could not start because the command line, a parameter or a
+        file was refused, the reason then being one line on stderr; `EXIT_FAULT` when a callback
+        has raised, which is told in the last line on stderr, after the traceback.
     """
     argv = list(sys.argv if args is None else args)
     called = name or _program(argv)
+    if name in USAGES and _asks_for_help(argv):
+        print(USAGES[name])
+        return 0
     with stop_on_signals() as stop:
         try:
             node = _start(factory, argv)
@@ -153,6 +158,11 @@ def spin_node(
             node.destroy_node()
             rclpy.try_shutdown()
     return 0
+
+
+def _asks_for_help(argv: Sequence[str]) -> bool:
+    own = itertools.takewhile(lambda word: word != "--ros-args", argv[1:])
+    return any(word in ("-h", "--help") for word in own)
 
 
 def _start(factory: Callable[[], Node], argv: list[str]) -> Node:

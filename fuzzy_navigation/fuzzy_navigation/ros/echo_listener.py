@@ -14,6 +14,7 @@ from fuzzy_map_building.params import MapperParameters
 from fuzzy_map_building.ros import names, qos
 from fuzzy_map_building.ros.backlog import take_waiting
 from fuzzy_map_building.ros.clock import now_seconds, on_clock_set_back
+from fuzzy_map_building.ros.clock_gate import ClockGate
 from fuzzy_map_building.ros.conversions import Refused, joint_position, range_from_msg
 from fuzzy_map_building.ros.diagnostics import Diagnostics
 from fuzzy_map_building.ros.explanations import explanations
@@ -41,6 +42,7 @@ class EchoListener:
         self._node = node
         self._p = parameters
         self._diagnostics = diagnostics
+        self._gate = ClockGate(node, diagnostics)
         ours = MapperParameters(sonar=parameters.sonar, turret=parameters.turret)
         self._assembler = ReadingAssembler(ours)
         # The limits are the mapper's own, which are no parameters here.
@@ -65,7 +67,8 @@ class EchoListener:
 
     def add_pose(self, stamp: float, pose: Pose2) -> None:
         """Take a pose of the robot and its stamp [s]."""
-        self._assembler.add_pose(stamp, pose, now_seconds(self._node))
+        if self._gate.admits(names.POSE):
+            self._assembler.add_pose(stamp, pose, now_seconds(self._node))
 
     def release(self) -> list[SonarReading]:
         """Return the readings whose place is known by now, since the last call."""
@@ -92,11 +95,12 @@ class EchoListener:
         except Refused as refused:
             self._diagnostics.reject(names.SONAR, refused.reason, str(refused))
             return
-        now = now_seconds(self._node)
         # Drivers that tell a number where REP 117 has -inf mean the same: too close to measure.
         # Taken for no measurement it would let the robot drive on into what is there.
         distance = sample.range if sample.range >= sonar.min_range else -math.inf
-        self._assembler.add_range(sample.sensor, sample.stamp, distance, now)
+        if self._gate.admits(names.SONAR):
+            now = now_seconds(self._node)
+            self._assembler.add_range(sample.sensor, sample.stamp, distance, now)
 
     def _on_joint_state(self, message: JointState) -> None:
         try:
@@ -104,5 +108,5 @@ class EchoListener:
         except Refused as refused:
             self._diagnostics.reject(names.JOINT_STATES, refused.reason, str(refused))
             return
-        if sample is not None:
+        if sample is not None and self._gate.admits(names.JOINT_STATES):
             self._assembler.add_turret(*sample, now_seconds(self._node))

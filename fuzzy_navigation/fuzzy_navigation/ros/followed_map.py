@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -19,8 +18,8 @@ from fuzzy_map_building.map_follower import MapFollower, MapWindow
 from fuzzy_map_building.occupancy import Hundredths
 from fuzzy_map_building.ros import names, qos
 from fuzzy_map_building.ros.clock import (
+    known_seconds,
     nanoseconds_from_stamp,
-    now_seconds,
     seconds_from_stamp,
     stamp_from_nanoseconds,
 )
@@ -126,7 +125,7 @@ class FollowedMap:
             return
         try:
             geometry, risk = risk_from_msg(message, self._what)
-            self._times.check(self._now(), seconds_from_stamp(stamp))
+            self._times.check(known_seconds(self._node), seconds_from_stamp(stamp))
             self._admit(geometry)
         except ValueError as refusal:
             self._refuse(self._topic, refusal)
@@ -147,7 +146,7 @@ class FollowedMap:
         number, what = info.get("publication_sequence_number"), f"a window of {self._what}"
         try:
             window = window_from_msg(message, number, what)
-            self._times.check(self._now(), seconds_from_stamp(message.header.stamp))
+            self._times.check(known_seconds(self._node), seconds_from_stamp(message.header.stamp))
             ready = self._follower.take_window(window)
         except ValueError as refusal:
             self._refuse(names.updates_of(self._topic), refusal)
@@ -173,7 +172,3 @@ class FollowedMap:
         told = isinstance(refusal, (Refused, Untimely))
         reason = refusal.reason if told else "unfit"  # type: ignore[attr-defined]
         self._diagnostics.reject(topic, reason, str(refusal))
-
-    def _now(self) -> float:
-        """Return the clock's time [s], infinite before simulated time has begun."""
-        return now_seconds(self._node) or math.inf

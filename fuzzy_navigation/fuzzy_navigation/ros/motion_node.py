@@ -26,7 +26,12 @@ from fuzzy_map_building import sonar_guard
 from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.ros import names, qos
 from fuzzy_map_building.ros.backlog import take_waiting
-from fuzzy_map_building.ros.clock import create_steady_timer, now_seconds, seconds_from_stamp
+from fuzzy_map_building.ros.clock import (
+    create_steady_timer,
+    known_seconds,
+    now_seconds,
+    seconds_from_stamp,
+)
 from fuzzy_map_building.ros.conversions import (
     Refused,
     range_from_msg,
@@ -94,12 +99,9 @@ class MotionNode(Node):
         self._stale_parameters = False
         self._map: tuple[GridGeometry, float] | None = None  # and its stamp [s]
         self._answered: float | None = None  # stamp of the pose that was acted on last [s]
-        self._last_pose = -math.inf
-        self._last_tick = -math.inf
-        self._last_report = -math.inf
+        self._last_pose = self._last_tick = self._last_report = -math.inf
         self._reported: tuple[object, ...] = ()
-        self._held = False
-        self._advised = ""
+        self._held, self._advised = False, ""
         self._missions = 0
         self._missions_before = 0  # of the mission object that is in use now
         self._verdicts: dict[int, Callable[[Finish], None]] = {}
@@ -133,6 +135,8 @@ class MotionNode(Node):
         self.create_subscription(PoseStamped, names.POSE, self._on_pose, qos.RELIABLE)
         self.create_subscription(PoseStamped, names.GOAL_POSE, self._on_goal_pose, qos.RELIABLE)
         create_steady_timer(self, WATCH_PERIOD, self._watch)
+        how = "while it moves" if parameters.concurrent else "where it stands"
+        self.get_logger().info(f"ready for goals by '{names.NAVIGATE}'; the robot maps {how}")
 
     def on_stop(self) -> None:
         """Make the robot stand and end the mission; called before the node is destroyed."""
@@ -151,7 +155,7 @@ class MotionNode(Node):
         self._last_pose = time.monotonic()
         try:
             stamp, pose = stamped_pose_from_msg(message)
-            tick = self._ticks.on_pose(self._clock_time(), stamp, pose)
+            tick = self._ticks.on_pose(known_seconds(self), stamp, pose)
         except (Refused, Untimely) as refusal:
             self._diagnostics.reject(names.POSE, refusal.reason, str(refusal))
             return
@@ -171,7 +175,7 @@ class MotionNode(Node):
         try:
             sample = usable(range_from_msg(message, self._frames, topic=names.INFRARED))
             tick = self._ticks.on_range(
-                self._clock_time(), sample.sensor, sample.stamp, sample.range
+                known_seconds(self), sample.sensor, sample.stamp, sample.range
             )
         except (Refused, Untimely) as refusal:
             self._diagnostics.reject(names.INFRARED, refusal.reason, str(refusal))
@@ -385,10 +389,6 @@ class MotionNode(Node):
     def _now(self) -> float:
         """Return the mission's time [s]."""
         return self._time.now(now_seconds(self), time.monotonic())
-
-    def _clock_time(self) -> float:
-        """Return the clock's time [s], infinite before simulated time has begun."""
-        return now_seconds(self) or math.inf
 
 
 def main() -> int:

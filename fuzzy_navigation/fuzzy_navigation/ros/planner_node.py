@@ -81,6 +81,11 @@ class PlannerNode(Node):
             PlanPath, names.PLAN_PATH, self._on_plan_path, qos_profile=qos.REQUESTS
         )
         self.create_service(GetPlan, names.GET_PLAN, self._on_get_plan, qos_profile=qos.REQUESTS)
+        p = self._settings.values
+        self.get_logger().info(
+            f"planning by {p.cost} for a robot of radius {p.robot_radius:g} m, on the maps that "
+            f"come by '{names.PLANNING_MAP}'"
+        )
 
     def _admit(self, geometry: GridGeometry) -> None:
         p = self._settings.values

@@ -69,12 +69,32 @@ def test_what_cannot_be_placed_is_given_up_after_the_limit() -> None:
 def test_what_no_later_pose_can_place_is_given_up_at_once() -> None:
     assembler = ReadingAssembler(ON_BASE)
     assembler.add_pose(10.0, Pose2(0, 0), 10.0)
-    assembler.add_range(0, 9.9, 1.0, 10.0)  # before the first pose
+    assembler.add_range(0, 7.0, 1.0, 10.0)  # long before the first pose
     assembler.add_range(1, 10.3, 1.0, 10.3)  # in a gap of poses
     assembler.add_pose(10.9, Pose2(0, 0), 10.9)
     assembler.add_range(2, 10.9, 1.0, 10.9)
     assert [r.sensor for r in assembler.release(10.75)] == [2]
     assert assembler.rejected == {"no_pose": 2}
+
+
+def test_what_is_from_right_before_the_first_pose_or_angle_is_no_fault() -> None:
+    assembler = ReadingAssembler(PARAMETERS)
+    assembler.add_range(0, 9.9, 1.0, 10.0)
+    assembler.add_range(1, 10.02, 1.0, 10.02)
+    assembler.add_range(2, 10.06, 1.0, 10.06)
+    assembler.add_pose(10.0, Pose2(0, 0), 10.0)
+    assembler.add_pose(10.1, Pose2(0, 0), 10.1)
+    assembler.add_turret(10.05, 0.0, 10.1)
+    assembler.add_turret(10.1, 0.0, 10.1)
+    assert [r.sensor for r in assembler.release(10.1)] == [2]
+    assert assembler.rejected == {"before_pose": 1, "before_turret": 1}
+    # Where samples have come for long, the same is told.
+    for k in range(100):
+        assembler.add_pose(11.0 + 0.1 * k, Pose2(0, 0), 11.0 + 0.1 * k)
+    assembler.add_range(3, 9.95, 1.0, 21.0)
+    assembler.add_range(4, 5.0, 1.0, 21.0)
+    assembler.release(21.0)
+    assert assembler.rejected["no_pose"] == 1
 
 
 def test_a_late_pose_stream_still_places_what_waited() -> None:
