@@ -181,7 +181,7 @@ class ConcurrentMission(Mission):
         record, motion = self._record, self._motion
         if record.path_length - self._way_looked >= LOOK_SPACING:
             self._way_looked = record.path_length
-            record.perceived(now, self._here, self._distance_remaining())
+            record.perceived(now, self._here, self._distance_remaining(), on_the_way=True)
             self._tried.perceived(self._known, self._here)
             self._around.move_on()
             motion.tighten()

@@ -100,12 +100,14 @@ class MissionRecord:
         if not self._way or pose.distance_to(*self._way[-1]) >= SPACING:
             self._way.append((pose.x, pose.y))
 
-    def perceived(self, now: float, pose: Pose2, distance_remaining: float) -> None:
+    def perceived(
+        self, now: float, pose: Pose2, distance_remaining: float, on_the_way: bool = False
+    ) -> None:
         """Count a perception and log it."""
         self.perceptions += 1
-        self.log.append(
-            LogEntry(self.perceptions, now, pose, self.last_stop, self.alpha, distance_remaining)
-        )
+        stop = Stop.NONE if on_the_way else self.last_stop
+        told = (now, pose, stop, self.alpha, distance_remaining, on_the_way)
+        self.log.append(LogEntry(self.perceptions, *told))
 
     def stopped(self, reason: Stop, progress: bool, because: str = "") -> None:
         """Take note of why the robot stopped and whether it had come on since it perceived."""

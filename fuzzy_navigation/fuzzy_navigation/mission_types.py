@@ -183,11 +183,13 @@ class LogEntry:
     pose : Pose2
         Where it was made.
     stop : Stop
-        Why the robot had stopped there.
+        Why the robot had stopped there; NONE at the start and on the way.
     alpha : float
         Rung of the path that led there; 0 for the first.
     distance_remaining : float
         As in `Feedback` [m].
+    on_the_way : bool
+        Whether the map was made while the robot moved, without a stop.
     """
 
     perception: int
@@ -196,3 +198,4 @@ class LogEntry:
     stop: Stop
     alpha: float
     distance_remaining: float
+    on_the_way: bool = False

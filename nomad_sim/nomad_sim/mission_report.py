@@ -89,14 +89,24 @@ def _panel(moment: Moment, risk: FloatArray, name: str) -> Panel:
     return Panel(moment.geometry, risk, replace(moment.scene), title)
 
 
-def entry_line(entry: LogEntry) -> str:
-    """Return a perception of a mission's log as a line."""
+def entry_line(entry: LogEntry, started: float = 0.0) -> str:
+    """Return a perception of a mission's log as a line.
+
+    Parameters
+    ----------
+    entry : LogEntry
+        The perception.
+    started : float
+        When the mission began [s], which its time is told from.
+    """
     pose = entry.pose
-    if entry.stop is Stop.NONE:
-        why = "at the start" if entry.perception == 1 else "on the way"
+    if entry.on_the_way:
+        why = f"on the way,{'':11} alpha {entry.alpha:.1f}"
+    elif entry.stop is Stop.NONE:
+        why = "at the start"
     else:
         why = f"stopped by {entry.stop.name.lower():<10} alpha {entry.alpha:.1f}"
     return (
-        f"perception {entry.perception:>3} at {entry.stamp:7.2f} s, ({pose.x:6.2f}, "
+        f"perception {entry.perception:>3} at {entry.stamp - started:7.2f} s, ({pose.x:6.2f}, "
         f"{pose.y:6.2f}) m: {why + ',':<32} {entry.distance_remaining:5.2f} m left"
     )

@@ -7,6 +7,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -54,6 +55,11 @@ def test_maps_are_made_and_paths_planned_while_the_robot_drives(
     assert (summary["verdict"], summary["contacts"]) == ("reached", 0)
     # The 2.2 m are no more than two of the pieces of way that count as perceptions.
     assert summary["perceptions"] <= 4
+    assert any(entry["on_the_way"] for entry in summary["log"])
+    for entry in summary["log"]:
+        told = rf"perception +{entry['perception']} at .* m: on the way, "
+        assert bool(re.search(told, demo.output())) == entry["on_the_way"]
+        assert not entry["on_the_way"] or entry["stopped_by"] == "none"
     time, speed = np.array(speeds(poses.messages)).T
     driven = {
         stamp
@@ -64,5 +70,5 @@ def test_maps_are_made_and_paths_planned_while_the_robot_drives(
     # A path carries the stamp of the map that it rests on.
     planned = {seconds_from_stamp(message.header.stamp) for message in list(plans.messages)}
     assert len(planned & driven) >= 2
-    told = {round(math.degrees(message.data), 3) for message in list(angles.messages)}
-    assert told == {0.0, 7.5, 15.0}
+    turned = {round(math.degrees(message.data), 3) for message in list(angles.messages)}
+    assert turned == {0.0, 7.5, 15.0}

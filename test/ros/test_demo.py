@@ -111,12 +111,15 @@ def test_it_reaches_the_goal_and_leaves_figures_and_a_summary(
     assert log[0]["stopped_by"] == "none"
     assert all(e["stopped_by"] in ("unexplored", "clearance") for e in log[1:])
     assert [e["stamp_s"] for e in log] == sorted(e["stamp_s"] for e in log)
+    # However long the simulator has run before, times begin with the goal.
+    assert 0.0 < log[0]["since_goal_s"] < 10.0
+    assert log[-1]["since_goal_s"] <= summary["simulated_duration_s"] + 1.0
     lines = [line for line in process.output().splitlines() if line.startswith("perception")]
     for entry, line in zip(log, lines, strict=True):
         why = f"stopped by {entry['stopped_by']} +alpha"
         if entry["stopped_by"] == "none":
             why = "at the start, "
-        told = rf"perception +{entry['perception']} at .* m: {why}"
+        told = rf"perception +{entry['perception']} at +{entry['since_goal_s']:.2f} s, .* m: {why}"
         assert re.match(told, line)
 
     # The mapped area is the world's, the file counts, everything else is the preset's.

@@ -15,7 +15,7 @@ from fuzzy_map_building.ros import names, qos
 from fuzzy_map_building.ros.clock import stamp_from_seconds
 from fuzzy_map_building.ros.conversions import pose_to_msg
 from fuzzy_map_building.types import Pose2
-from fuzzy_navigation.mission_types import LogEntry, Outcome, Phase
+from fuzzy_navigation.mission_types import LogEntry, Outcome, Phase, Stop
 from nomad_sim.ros.mission_watch import spinning
 from ros.harness import Probe, wait_until
 
@@ -44,13 +44,28 @@ def test_feedback_that_the_verdict_has_overtaken_counts(probe: Probe) -> None:
         wait_until(watch.over.is_set, "the verdict")
         assert watch.record.verdict is not None
         assert watch.record.verdict.outcome is Outcome.UNREACHABLE
-        feedback = Navigate.Feedback(perceptions=1, distance_remaining=1.5, pose=here())
+        feedback = Navigate.Feedback(
+            perceptions=1,
+            distance_remaining=1.5,
+            pose=here(),
+            last_stop=Stop.CLEARANCE,
+        )
         another = UUID(uuid=list(range(16)))
         late.publish(FeedbackMessage(goal_id=another, feedback=Navigate.Feedback(perceptions=7)))
         late.publish(FeedbackMessage(goal_id=goals[0], feedback=feedback))
         wait_until(lambda: watch.record.perceptions == 1, "the perception")
         assert watch.record.log == told
         assert (told[0].perception, told[0].distance_remaining) == (1, 1.5)
+        # A map that is made while the robot moves tells of no stop, whatever the last one was.
+        moving = Navigate.Feedback(
+            perceptions=2, pose=here(), last_stop=Stop.CLEARANCE, phase=Phase.MOVING
+        )
+        late.publish(FeedbackMessage(goal_id=goals[0], feedback=moving))
+        wait_until(lambda: watch.record.perceptions == 2, "the map on the way")
+        assert [(e.on_the_way, e.stop) for e in told] == [
+            (False, Stop.CLEARANCE),
+            (True, Stop.NONE),
+        ]
 
 
 def here() -> object:

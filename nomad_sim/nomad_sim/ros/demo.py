@@ -21,6 +21,7 @@ from fuzzy_map_building.params import MapperParameters
 from fuzzy_map_building.ros.parameters import PRESET
 from fuzzy_map_building.ros.run import EXIT_REFUSED, StopRequest, stop_on_signals
 from fuzzy_navigation.concurrent_mission import SETTINGS
+from fuzzy_navigation.mission_types import LogEntry, Phase
 from fuzzy_navigation.params import MotionParameters, PlannerParameters
 from fuzzy_navigation.ros.processes import (
     DISCOVERY_RANGE,
@@ -118,7 +119,11 @@ def _run(options: DemoOptions, stop: StopRequest) -> tuple[MissionRecord, str, d
         nodes = _Nodes(stack.enter_context(ProcessGroup()), stop, logs)
         for name, arguments in _arguments(options).items():
             nodes.start(name, arguments, environment)
-        watch = stack.enter_context(spinning(print_perception, wanted, domain))
+
+        def tell(entry: LogEntry, phase: Phase) -> None:
+            print_perception(entry, phase, watch.record.started)
+
+        watch = stack.enter_context(spinning(tell, wanted, domain))
         nodes.wait(lambda: not watch.missing, START_TIMEOUT)
         if watch.missing:
             raise NodeFailedError(f"after {START_TIMEOUT:g} s still missing: {watch.missing}")

@@ -151,9 +151,11 @@ def summarise(
             {
                 "perception": entry.perception,
                 "stamp_s": entry.stamp,
+                "since_goal_s": entry.stamp - record.started,
                 "x": entry.pose.x,
                 "y": entry.pose.y,
                 "theta": entry.pose.theta,
+                "on_the_way": entry.on_the_way,
                 "stopped_by": entry.stop.name.lower(),
                 "alpha": entry.alpha,
                 "distance_remaining_m": entry.distance_remaining,

@@ -29,9 +29,9 @@ def print_start(options: DemoOptions, domain: int, discovery_range: str) -> None
     )
 
 
-def print_perception(entry: LogEntry, phase: Phase) -> None:
-    """Write a line for a perception, with what the robot does next."""
-    print(f"{entry_line(entry)}; {phase.name.lower()}", flush=True)
+def print_perception(entry: LogEntry, phase: Phase, started: float) -> None:
+    """Write a line for a perception of a mission that began at `started` [s], and what follows."""
+    print(f"{entry_line(entry, started)}; {phase.name.lower()}", flush=True)
 
 
 def print_end(

@@ -85,6 +85,8 @@ class MissionRecord:
         True positions [s, m, m], a point a centimetre.
     time : float
         Simulated time that was last heard of [s]; 0 before the first.
+    started : float
+        Simulated time at which the goal was sent [s]; 0 before.
     pose : Pose2, optional
         Newest true pose.
     simulator : mapping of str to str
@@ -101,6 +103,7 @@ class MissionRecord:
     plans: list[tuple[float, NDArray[np.float64]]] = field(default_factory=list)
     way: list[tuple[float, float, float]] = field(default_factory=list)
     time: float = 0.0
+    started: float = 0.0
     pose: Pose2 | None = None
     simulator: Mapping[str, str] = field(default_factory=dict)
     parameters: dict[str, dict[str, Any]] = field(default_factory=dict)

@@ -143,6 +143,7 @@ class MissionWatch(Node):
         self.executor.create_task(self._send_goal, goal)
 
     def _send_goal(self, goal: tuple[float, float]) -> None:
+        self.record.started = self.record.time
         message = Navigate.Goal(goal=pose_to_msg(Pose2(*goal), Time()))
         future = self._navigate.send_goal_async(message, goal_uuid=self._goal)
         future.add_done_callback(self._on_answer)
@@ -177,13 +178,16 @@ class MissionWatch(Node):
         if message.goal_id != self._goal or feedback.perceptions <= self.record.perceptions:
             return
         stamp, pose = stamped_pose_from_msg(feedback.pose)
+        # After a perception for which the robot stood it plans before it moves.
+        on_the_way = feedback.phase == Navigate.Feedback.MOVING
         entry = LogEntry(
             perception=feedback.perceptions,
             stamp=stamp,
             pose=pose,
-            stop=Stop(feedback.last_stop),
+            stop=Stop.NONE if on_the_way else Stop(feedback.last_stop),
             alpha=round(feedback.alpha, DECIMALS),
             distance_remaining=round(feedback.distance_remaining, DECIMALS),
+            on_the_way=on_the_way,
         )
         log.append(entry)
         self._on_perception(entry, Phase(feedback.phase))

@@ -20,7 +20,16 @@ from fuzzy_navigation.concurrent_mission import (
     mission_of,
 )
 from fuzzy_navigation.mission import Mission
-from fuzzy_navigation.mission_types import Commands, Drive, Finish, Outcome, Perceive, Phase, Plan
+from fuzzy_navigation.mission_types import (
+    Commands,
+    Drive,
+    Finish,
+    Outcome,
+    Perceive,
+    Phase,
+    Plan,
+    Stop,
+)
 from fuzzy_navigation.motion import Motion
 from fuzzy_navigation.params import PAPER_PRESET, MotionParameters, motion_parameters
 from fuzzy_navigation.planned_path import PlannedPath
@@ -274,6 +283,26 @@ def test_maps_on_the_way_count_as_perceptions_by_the_way_and_come_to_the_cap() -
     assert finish is not None
     assert (finish.outcome, finish.perceptions) == (Outcome.UNREACHABLE, 3)
     assert script.pose.x - start == pytest.approx(2 * LOOK_SPACING, abs=0.1)
+    told = [(e.on_the_way, e.stop) for e in script.mission.log]
+    assert told == [(False, Stop.NONE), (True, Stop.NONE), (True, Stop.NONE)]
+
+
+def test_a_map_made_on_the_way_is_not_told_as_another_stop() -> None:
+    script = Concurrent(known_to=2.5)
+    script.set_out(GOAL)
+    commands = script.run()
+    assert isinstance(commands[-1], Perceive)
+    script.know(math.inf)
+    commands = script.perceive(commands)
+    here = (script.pose.x, script.pose.y)
+    script.plan(commands, cells_along(here, GOAL))
+    while script.pose.x < here[0] + LOOK_SPACING + 0.2:
+        script.ticks(1)
+        for plan in plans(script.show_map()):
+            script.plan((plan,), cells_along((plan.start.x, plan.start.y), GOAL))
+    assert script.mission.feedback().last_stop is Stop.UNEXPLORED
+    told = [(e.on_the_way, e.stop) for e in script.mission.log]
+    assert told == [(False, Stop.NONE), (False, Stop.UNEXPLORED), (True, Stop.NONE)]
 
 
 def test_a_second_mission_sets_out_on_the_map_that_is_there() -> None:

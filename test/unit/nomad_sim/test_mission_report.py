@@ -69,10 +69,11 @@ def test_a_perception_is_told_in_a_line() -> None:
         "perception   7 at   47.60 s, (  2.79,   0.93) m: stopped by clearance  alpha 0.6, "
         " 6.49 m left"
     )
+    assert "perception   7 at    7.60 s, " in entry_line(entry, started=40.0)
     first = LogEntry(1, 4.2, Pose2(1.25, 5.25, 0.0), Stop.NONE, 0.0, 6.12)
     assert entry_line(first) == (
         "perception   1 at    4.20 s, (  1.25,   5.25) m: at the start,                    "
         " 6.12 m left"
     )
-    later = replace(first, perception=2)  # mapped on the way, without a stop
-    assert ": on the way,  " in entry_line(later)
+    later = replace(first, perception=2, alpha=0.6, on_the_way=True)
+    assert ": on the way,            alpha 0.6, " in entry_line(later)
