@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from fuzzy_msgs.action import Navigate
 from fuzzy_msgs.srv import MapFile
-from geometry_msgs.msg import PoseStamped
+from geometry_msgs.msg import PoseStamped, TwistStamped
 from std_srvs.srv import Trigger
 
 from fuzzy_map_building.grid import GridGeometry
@@ -24,7 +24,7 @@ from nomad_sim.ros.sim_node import TICK
 from ros.harness import START_DEADLINE, NodeProcess, Probe, wait_until
 from ros.motion_scene import goal_at
 from ros.room import stamp
-from ros.stack import Status, silent, speeds
+from ros.stack import Status, speeds
 from ros.test_bringup import children
 
 Start = Callable[..., NodeProcess]
@@ -35,6 +35,7 @@ def test_killed_nodes_come_back_and_the_robot_stands_meanwhile(
 ) -> None:
     mapper, planner = Status(probe, names.MAPPER_NODE), Status(probe, names.PLANNER_NODE)
     truth = probe.subscribe(PoseStamped, names.GROUND_TRUTH_POSE, qos.RELIABLE)
+    commands = probe.subscribe(TwistStamped, names.STAMPED_CMD_VEL, qos.RELIABLE)
     given = {"world": "lab", "rate": 8, "lockstep": True, "lockstep_timeout": 2.0}
     start_node("sim", parameters=given)
     arguments = ["--respawn", "--ros-args", "-p", "use_sim_time:=true"]
@@ -62,10 +63,9 @@ def test_killed_nodes_come_back_and_the_robot_stands_meanwhile(
     victim = children(bringup.pid)["motion"]
     wait_until(lambda: any(v > 0.2 for _, v in speeds(truth.messages[-3:])), "the drive")
     os.kill(victim, signal.SIGKILL)
-    # The simulator waits for the command that does not come: the last one is a tick old then.
-    wait_until(lambda: silent(truth, 1.0), "the simulator to wait")
-    commanded = stamp(truth.last) - TICK
-    truth.wait_for(lambda message: stamp(message) > commanded + 2.0)
+    # Each command has the stamp of the pose that it answers: no other comes after the last.
+    truth.wait_for(lambda message: stamp(message) > stamp(commands.last) + 2.0)
+    commanded = stamp(commands.last)
     after = [(t, v) for t, v in speeds(truth.messages) if t > commanded + TICK / 2]
     assert after[0][1] > 0.05, "it did not drive: the test is void"
     assert max(v for t, v in after if t > commanded + 0.5 + TICK / 2) == 0.0
