@@ -10,9 +10,9 @@ from enum import Enum
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 
 from fuzzy_map_building.grid import GridGeometry
-from fuzzy_map_building.jit import njit
 from nomad_sim.params import ROBOT_RADIUS
 from nomad_sim.surfaces import Surfaces
 from nomad_sim.world import World
@@ -96,9 +96,8 @@ def occupancy(surfaces: Surfaces, geometry: GridGeometry) -> BoolArray:
     return occupied
 
 
-@njit
 def _leads(
-    clearance: FloatArray, least: float, row: int, column: int, goal: BoolArray, diagonal: bool
+    clearance: FloatArray, least: float, start: tuple[int, int], goal: BoolArray, diagonal: bool
 ) -> bool:
     """Whether a chain of cells with no less than some clearance leads from one cell to a goal.
 
@@ -108,44 +107,17 @@ def _leads(
         Of the cells [m].
     least : float
         What the cells of the chain must have [m].
-    row, column : int
-        Its first cell.
+    start : tuple of int
+        Its first cell (row, column).
     goal : ndarray of bool, shape (H, W)
         The cells that it may end in.
     diagonal : bool
         Whether cells that touch by corners are neighbours.
     """
-    if not clearance[row, column] >= least:
+    if not clearance[start] >= least:
         return False
-    if goal[row, column]:
-        return True
-    height, width = clearance.shape
-    reached = np.zeros((height, width), dtype=np.bool_)
-    stack = np.empty((height * width, 2), dtype=np.int64)
-    reached[row, column] = True
-    stack[0, 0] = row
-    stack[0, 1] = column
-    count = 1
-    while count > 0:
-        count -= 1
-        row = stack[count, 0]
-        column = stack[count, 1]
-        for dr in (-1, 0, 1):
-            for dc in (-1, 0, 1):
-                if dr != 0 and dc != 0 and not diagonal:
-                    continue
-                r = row + dr
-                c = column + dc
-                if not (0 <= r < height and 0 <= c < width) or reached[r, c]:
-                    continue
-                if clearance[r, c] >= least:
-                    if goal[r, c]:
-                        return True
-                    reached[r, c] = True
-                    stack[count, 0] = r
-                    stack[count, 1] = c
-                    count += 1
-    return False
+    parts, _ = ndimage.label(clearance >= least, np.ones((3, 3)) if diagonal else None)
+    return bool((parts[goal] == parts[start]).any())
 
 
 class Reachability(Enum):
@@ -199,13 +171,13 @@ def _widest(
         return -math.inf, -math.inf
     low = float(clearance.min())
     high = float(min(clearance[start], ends.max()))
-    if _leads(clearance, high, *start, goal, diagonal):
+    if _leads(clearance, high, start, goal, diagonal):
         return high, high + _STEP
-    if not _leads(clearance, low, *start, goal, diagonal):
+    if not _leads(clearance, low, start, goal, diagonal):
         return -math.inf, -math.inf
     while high - low > _STEP:
         middle = 0.5 * (low + high)
-        if _leads(clearance, middle, *start, goal, diagonal):
+        if _leads(clearance, middle, start, goal, diagonal):
             low = middle
         else:
             high = middle

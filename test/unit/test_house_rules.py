@@ -100,6 +100,22 @@ def test_a_manifest_names_every_ros_package_that_is_imported(package: str) -> No
     assert imported - {package} <= declared
 
 
+@pytest.mark.parametrize("package", PACKAGES)
+def test_a_manifest_names_the_libraries_that_are_imported(package: str) -> None:
+    manifest = ElementTree.parse(ROOT / package / "package.xml")
+    declared = {entry.text for entry in manifest.iter("exec_depend")}
+    imported = {
+        f"python3-{name}"
+        for file in (ROOT / package / package).rglob("*.py")
+        for name in re.findall(
+            r"^\s*(?:from|import) (numpy|scipy|matplotlib|tqdm|yaml)\b",
+            file.read_text(encoding="utf-8"),
+            re.MULTILINE,
+        )
+    }
+    assert imported <= declared
+
+
 def test_the_frozen_list_leaves_nothing_open() -> None:
     lines = (ROOT / "requirements.txt").read_text(encoding="utf-8").splitlines()
     entries = [line for line in lines if not line.startswith("#")]
