@@ -120,10 +120,14 @@ class ConcurrentMission(Mission):
                 self._request.settle()
                 self._divert(plan)
             return ()
-        unseen = self._unseen and self._awaits(State.PLANNING, request)
-        if unseen and (plan.status == PlanStatus.NO_PATH or self._leads_away(plan)):
+        awaited, no_path = self._awaits(State.PLANNING, request), plan.status == PlanStatus.NO_PATH
+        if awaited and self._unseen and (no_path or self._leads_away(plan)):
             self._advance(now)
             return tuple(self._perceive())
+        if awaited and no_path and self._around.forget_kept():
+            # Where nobody has looked again somebody may have stood who has gone.
+            self._advance(now)
+            return tuple(self._plan())
         return super().on_plan(now, request, plan)
 
     def on_plan_error(self, now: float, request: int, message: str) -> Commands:
@@ -161,6 +165,15 @@ class ConcurrentMission(Mission):
             return self._perceive()
         self._around.move_on()
         return self._plan_unseen()
+
+    @property
+    def _look_place(self) -> Pose2 | None:
+        """See `MissionState`: a way that was refused is not tried again for want of memory.
+
+        At the start of a mission, and where it gets nowhere, the robot forgets all the same.
+        """
+        record = self._record
+        return self._here if record.perceptions > 0 and record.without_progress == 0 else None
 
     def _perceive(self) -> list[Command]:
         self._unseen = False

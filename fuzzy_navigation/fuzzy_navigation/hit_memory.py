@@ -4,14 +4,15 @@
 
 A ring of infrareds sees little from one place. What it saw from the places before tells of
 the same surfaces, but not for ever: somebody may have moved. The memory reaches back to the
-last perception, like the path that the robot follows.
+last perception, like the path that the robot follows. Of a robot that maps on its way it reaches
+back a way, and a perception renews what can be seen from where it is made.
 """
 
 from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,22 +61,44 @@ class HitMemory:
         self._points: dict[tuple[int, int], tuple[float, float]] = {}
         self._guesses: dict[tuple[int, int], tuple[float, float]] = {}
         self._old: set[tuple[int, int]] = set()
+        self._kept: set[tuple[int, int]] = set()
         self._stood_before = False
         self._last: Pose2 | None = None
         self._array: Points | None = None
         self._stood_array: Points | None = None
 
+    def forget_near(self, place: Pose2, reach: float) -> None:
+        """Forget what lies within a distance [m] of a place where a perception begins."""
+        points, guesses = (
+            {key: point for key, point in hits.items() if place.distance_to(*point) > reach}
+            for hits in (self._points, self._guesses)
+        )
+        self.forget()
+        self._points, self._guesses = points, guesses
+        self._kept = {*points, *guesses}
+
+    def forget_kept(self) -> bool:
+        """Forget what `forget_near` has kept; return whether there was anything."""
+        kept = [key for key in self._kept if key in self._points or key in self._guesses]
+        self._drop(kept)
+        self._kept = set()
+        return len(kept) > 0
+
     def outdate(self) -> None:
         """Forget what has not been seen since the last call of this."""
-        for key in self._old:
-            self._points.pop(key, None)
-            self._guesses.pop(key, None)
+        self._drop(self._old)
         if self._stood_before:
             self._standing.clear()
             self._echoes.clear()
         self._stood_before = True
         self._old = {*self._points, *self._guesses}
         self._array = self._stood_array = None
+
+    def _drop(self, keys: Iterable[tuple[int, int]]) -> None:
+        for key in keys:
+            self._points.pop(key, None)
+            self._guesses.pop(key, None)
+        self._array = None
 
     @property
     def points(self) -> Points:
@@ -158,5 +181,6 @@ class HitMemory:
             self._array = None
             key = round(x / RASTER), round(y / RASTER)
             self._old.discard(key)
+            self._kept.discard(key)
             if key not in self._points:
                 kept.setdefault(key, (x, y))

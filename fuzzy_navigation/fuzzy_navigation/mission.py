@@ -300,7 +300,7 @@ class Mission(MissionState):
         if verdict := verdicts.exhaustion(self._record, self._p, self._distance_remaining()):
             return self._finish(verdict)
         self._state = State.PERCEIVING
-        self._around.begin_perception()
+        self._around.begin_perception(self._look_place)
         self._asked_at, self._answered, self._map_seen = self._time.clock, False, False
         return [Perceive(self._request.make(self._time.elapsed, self._p.timeout.build_map))]
 

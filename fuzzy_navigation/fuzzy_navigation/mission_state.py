@@ -123,6 +123,11 @@ class MissionState:
         assert self._area is not None
         return self._area
 
+    @property
+    def _look_place(self) -> Pose2 | None:
+        """Where a perception is made that renews what can be seen from there; None: all."""
+        return None
+
     def _distance_remaining(self) -> float:
         if self._record.alpha > 0.0:
             return self._motion.remaining

@@ -105,10 +105,24 @@ class Surroundings:
             if layer.enabled:
                 self._memory.pass_by(pose, self._ring.hits(now, limit))
 
-    def begin_perception(self) -> None:
-        """Forget what was remembered: the robot stands and looks anew."""
-        self._memory.forget()
+    def begin_perception(self, place: Pose2 | None = None) -> None:
+        """Forget what was remembered: the robot stands and looks anew.
+
+        Parameters
+        ----------
+        place : Pose2, optional
+            What the infrareds cannot see from here is kept, until `forget_kept`.
+        """
+        if place is None:
+            self._memory.forget()
+        else:
+            near = self._p.infrared
+            self._memory.forget_near(place, near.mount_radius + near.max_range)
         self._phase = _Phase.STANDING
+
+    def forget_kept(self) -> bool:
+        """Forget what the last perception could not see; return whether there was anything."""
+        return self._memory.forget_kept()
 
     def end_perception(self) -> None:
         """Take short sonar echoes for hits that infrareds do not see; the robot moves on."""

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.types import InfraredReading, Pose2, SonarReading
+from fuzzy_navigation.concurrent_mission import mission_of
 from fuzzy_navigation.mission import Mission
 from fuzzy_navigation.mission_types import Command, Commands, Drive, Finish, Perceive, Plan
 from fuzzy_navigation.params import PAPER_PRESET, MotionParameters, motion_parameters
@@ -181,6 +182,38 @@ class Script:
         """Perceive and plan once more."""
         here = (self.pose.x, self.pose.y)
         return self.plan(self.perceive(commands), cells_along(here, *corners), alpha)
+
+
+class Concurrent(Script):
+    """A script with a mapper that sends maps on the way and knows the world up to some x."""
+
+    def __init__(self, known_to: float = math.inf, **overrides: object) -> None:
+        super().__init__(concurrent=True, **overrides)
+        self.mission = mission_of(self.parameters)
+        self.know(known_to)
+
+    def know(self, known_to: float) -> None:
+        """Have what lies beyond some x [m] unexplored."""
+        x, _ = GEOMETRY.centres()
+        self.risk = np.where(x[None, :] > known_to, 1.0, np.zeros(GEOMETRY.shape))
+
+    def ticks(self, count: int) -> list[float]:
+        """Let ticks pass with nothing else to do than to drive; return the speeds."""
+        speeds = []
+        for _ in range(count):
+            (drive,) = self.tick()
+            assert isinstance(drive, Drive)
+            speeds.append(drive.linear)
+        return speeds
+
+    def refuse(self, commands: Commands, status: PlanStatus = PlanStatus.NO_PATH) -> Commands:
+        (plan,) = plans(commands)
+        answer = PlanResult(status, "none", alpha=1.0)
+        return self.take(self.mission.on_plan(self.now, plan.request, answer))
+
+
+def plans(commands: Commands) -> list[Plan]:
+    return [command for command in commands if isinstance(command, Plan)]
 
 
 def paper_script(**overrides: object) -> Script:

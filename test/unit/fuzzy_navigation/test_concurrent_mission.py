@@ -21,7 +21,6 @@ from fuzzy_navigation.concurrent_mission import (
 )
 from fuzzy_navigation.mission import Mission
 from fuzzy_navigation.mission_types import (
-    Commands,
     Drive,
     Finish,
     Outcome,
@@ -33,50 +32,18 @@ from fuzzy_navigation.mission_types import (
 from fuzzy_navigation.motion import Motion
 from fuzzy_navigation.params import PAPER_PRESET, MotionParameters, motion_parameters
 from fuzzy_navigation.planned_path import PlannedPath
-from fuzzy_navigation.planner import PlanResult, PlanStatus
 from unit.fuzzy_navigation.mission_script import (
     DT,
     GEOMETRY,
-    Script,
+    Concurrent,
     cells_along,
     finish_of,
+    plans,
     wall_at,
 )
 
 GOAL = (5.05, 2.05)
 CONFIG = Path(__file__).parents[3] / "fuzzy_navigation" / "config"
-
-
-def plans(commands: Commands) -> list[Plan]:
-    return [command for command in commands if isinstance(command, Plan)]
-
-
-class Concurrent(Script):
-    """A script with a mapper that sends maps on the way and knows the world up to some x."""
-
-    def __init__(self, known_to: float = math.inf, **overrides: object) -> None:
-        super().__init__(concurrent=True, **overrides)
-        self.mission = mission_of(self.parameters)
-        self.know(known_to)
-
-    def know(self, known_to: float) -> None:
-        """Have what lies beyond some x [m] unexplored."""
-        x, _ = GEOMETRY.centres()
-        self.risk = np.where(x[None, :] > known_to, 1.0, np.zeros(GEOMETRY.shape))
-
-    def ticks(self, count: int) -> list[float]:
-        """Let ticks pass with nothing else to do than to drive; return the speeds."""
-        speeds = []
-        for _ in range(count):
-            (drive,) = self.tick()
-            assert isinstance(drive, Drive)
-            speeds.append(drive.linear)
-        return speeds
-
-    def refuse(self, commands: Commands, status: PlanStatus = PlanStatus.NO_PATH) -> Commands:
-        (plan,) = plans(commands)
-        answer = PlanResult(status, "none", alpha=1.0)
-        return self.take(self.mission.on_plan(self.now, plan.request, answer))
 
 
 def test_the_parameter_chooses_the_mission() -> None:

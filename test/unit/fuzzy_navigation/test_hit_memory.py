@@ -95,6 +95,31 @@ class TestMemory:
         memory.pass_by(Pose2(1.0, 2.0), np.array([(3.0, 3.0)]))
         assert as_set(memory.points) == {(3.0, 3.0)}
 
+    def test_a_perception_may_renew_only_what_it_can_see(self) -> None:
+        memory = HitMemory(RING)
+        memory.stand([reading(0.1)], [echo(0.5)])
+        memory.add(np.array([(1.7, 2.0), (1.9, 2.0), (1.0, 3.0)]))
+        memory.add(np.array([(1.0, 2.7), (0.1, 2.0)]), guessed=True)
+        memory.forget_near(Pose2(1.0, 2.0), 0.83)
+        assert as_set(memory.points) == {(1.9, 2.0), (1.0, 3.0), (0.1, 2.0)}
+        assert as_set(memory.measured) == {(1.9, 2.0), (1.0, 3.0)}
+        assert memory.infrared == memory.sonar == []
+        # What is seen again is not in doubt any more.
+        memory.add(np.array([(1.9, 2.0), (2.5, 2.0)]))
+        assert memory.forget_kept()
+        assert as_set(memory.points) == {(1.9, 2.0), (2.5, 2.0)}
+        assert not memory.forget_kept()
+
+    def test_what_a_perception_has_kept_is_forgotten_with_the_way(self) -> None:
+        memory = HitMemory(RING)
+        memory.add(np.array([(1.9, 2.0)]))
+        memory.forget_near(Pose2(1.0, 2.0), 0.83)
+        memory.outdate()
+        assert as_set(memory.points) == {(1.9, 2.0)}
+        memory.outdate()
+        assert memory.points.shape == (0, 2)
+        assert not memory.forget_kept()
+
 
 LAYER = {"layer.enabled": True}
 GUARD = {"sonar_guard.enabled": True, "sonar_guard.spread": math.radians(6.0)}
