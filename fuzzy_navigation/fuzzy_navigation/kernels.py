@@ -331,6 +331,9 @@ def best_first(
                     visit, held = held, visit
                     ticks, held_ticks = held_ticks, ticks
                     turn = ticks >> fine_bits
+                # Asked here, not of each entry: few belong into this bucket or one before.
+                if turn < bucket:
+                    bucket = turn
             if free >= 0:
                 entry = free & _INDEX
                 free = queue[entry]
@@ -341,8 +344,6 @@ def best_first(
             slot = turn & slots
             queue[entry] = (buckets[slot] << _LINK) + visit
             buckets[slot] = entry
-            if turn < bucket:
-                bucket = turn
         if held >= 0:
             turn = held_ticks >> fine_bits
             if turn < bucket:

@@ -139,9 +139,9 @@ def find_path(
         if barred is not None:
             closed = _bars(barred, values.shape)
 
-    path = np.array([first], dtype=np.int64)
-    expanded = 0
-    if first != last:
+    if first == last:
+        path, expanded = np.array([first], dtype=np.int64), 0
+    else:
         if not values[last] <= limit or (closed is not None and closed[last]):
             return _no_path(0)
         field = cost_field(values, first, limit, closed, added, cost)
