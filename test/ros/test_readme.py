@@ -15,6 +15,8 @@ import shutil
 import signal
 import subprocess
 import sys
+import threading
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -22,12 +24,17 @@ from typing import Any
 import pytest
 import yaml
 from diagnostic_msgs.msg import DiagnosticArray
+from fuzzy_msgs.action import BuildMap, Navigate
+from fuzzy_msgs.srv import MapFile, PlanPath
+from geometry_msgs.msg import PoseStamped
 from rcl_interfaces.srv import GetParameters
 from rclpy.parameter import parameter_value_to_python
+from rclpy.publisher import Publisher
 
 from fuzzy_map_building.parameter_schema import markdown_table
 from fuzzy_map_building.params import PRESETS, MapperParameters
 from fuzzy_map_building.ros import names, qos
+from fuzzy_map_building.ros.clock import stamp_from_seconds
 from fuzzy_navigation.params import MotionParameters, PlannerParameters
 from nomad_sim.headless import run_mission
 from nomad_sim.ros.demo_options import parse_options
@@ -149,7 +156,7 @@ def test_make_demo_crosses_the_laboratory(clone: Path, start_node: Start) -> Non
     assert {file.name for file in out.glob("*.png")} == set(summary["figures"]) != set()
 
 
-@pytest.mark.parametrize("text", blocks("python"), ids=["mission", "cores"])
+@pytest.mark.parametrize("text", [t for t in blocks("python") if "rclpy" not in t])
 def test_python_as_it_stands(text: str) -> None:
     printed = io.StringIO()
     with contextlib.redirect_stdout(printed):
@@ -215,7 +222,59 @@ def test_bringup_takes_the_robots_parameters(clone: Path, probe: Probe, start_no
         response = probe.call(GetParameters, f"{node}/get_parameters", request)
         values = [parameter_value_to_python(value) for value in response.values]
         assert dict(zip(given, [_plain(v) for v in values], strict=True)) == given
+    # The client asks these nodes, with a robot that stands where it wants it to be.
+    standing = probe.node.create_publisher(PoseStamped, names.POSE, qos.RELIABLE)
+    stop = threading.Event()
+    robot = threading.Thread(target=stand, args=(standing, stop))
+    robot.start()
+    try:
+        (client,) = (text for text in blocks("python") if "rclpy" in text)
+        told = run(shlex.join([sys.executable, "-c", client])).splitlines()
+    finally:
+        stop.set()
+        robot.join()
+    found, *_, g2 = told[0].split()
+    assert (found, float(g2) > 0.0) == ("True", True)
+    assert told[1].startswith("True the robot stands ")
     process.assert_clean_stop(signal.SIGINT)
+
+
+def stand(poses: Publisher, stop: threading.Event) -> None:
+    """Tell the pose of a robot at the client's goal until it is over."""
+    message = PoseStamped()
+    message.header.frame_id = names.MAP_FRAME
+    message.pose.position.x, message.pose.position.y = 5.35, 5.45
+    while not stop.wait(0.05):
+        message.header.stamp = stamp_from_seconds(time.time())
+        poses.publish(message)
+
+
+def test_every_field_of_our_types_is_told() -> None:
+    table = README.partition("| type | field | meaning |")[2].partition("\n\n")[0]
+    told: dict[str, set[str]] = {}
+    part = ""
+    for row in table.splitlines()[2:]:
+        kind, fields, _ = (cell.strip() for cell in row.strip("|").split("|"))
+        part = kind or part
+        told.setdefault(part, set()).update(re.findall(r"`(\w+)`", fields))
+    parts = {
+        "`PlanPath`, request": [PlanPath.Request],
+        "`PlanPath`, response": [PlanPath.Response],
+        "`Navigate`, goal": [Navigate.Goal],
+        "`Navigate`, feedback": [Navigate.Feedback],
+        "`Navigate`, result": [Navigate.Result],
+        "`BuildMap`, goal": [BuildMap.Goal],
+        "`BuildMap`, feedback": [BuildMap.Feedback],
+        "`BuildMap`, result": [BuildMap.Result],
+        "`MapFile`": [MapFile.Request, MapFile.Response],
+    }
+    assert told == {
+        part: {field for kind in kinds for field in kind.get_fields_and_field_types()}
+        for part, kinds in parts.items()
+    }
+    for kind in (kind for kinds in parts.values() for kind in kinds):
+        for name, value in re.findall(r"`([A-Z_\d]+)` (\d)", table):
+            assert getattr(kind, name, int(value)) == int(value)
 
 
 def _plain(value: Any) -> Any:
