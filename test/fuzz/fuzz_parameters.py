@@ -15,7 +15,7 @@ from fuzz.draw import Draw, spoilt
 from fuzz.surface import Surface, Target, check_words, of_function, scratch_folder
 from fuzzy_map_building.parameter_schema import describe, flatten
 from fuzzy_map_building.params import PRESETS, mapper_parameters
-from fuzzy_map_building.ros.addressed import section_names
+from fuzzy_map_building.ros.addressed import section_parameters
 from fuzzy_navigation.params import motion_parameters, planner_parameters
 from nomad_sim.overrides import critical_angles, parameter_overrides
 from nomad_sim.ros.params import simulation_parameters
@@ -96,7 +96,7 @@ def _file_opened() -> Iterator[Target]:
                 content = json.dumps(spoilt(Draw(content), tree)).encode("utf-8", "replace")
             path.write_bytes(content)
             try:
-                names = section_names(path)
+                names = section_parameters(path)
             except ValueError as error:
                 check_words(error)
                 return

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from fuzzy_map_building.ros.addressed import MAX_FILE_SIZE, Addressed, section_names
+from fuzzy_map_building.ros.addressed import MAX_FILE_SIZE, Addressed, section_parameters
 from ros.harness import NodeProcess
 
 PARAMETERS = "{ros__parameters: {mode: continuous}}"
@@ -93,8 +93,33 @@ def test_rules_that_name_no_node_are_left_alone() -> None:
 
 def test_names_with_their_namespaces(write: Callable[[str], str]) -> None:
     content = f"/**: {PARAMETERS}\na: {{b: {{c: {PARAMETERS}}}, /d: {PARAMETERS}}}"
-    assert section_names(write(content)) == ["/**", "/a/b/c", "/a/d"]
-    assert section_names(write("# nothing")) == []
+    assert list(section_parameters(write(content))) == ["/**", "/a/b/c", "/a/d"]
+    assert section_parameters(write("# nothing")) == {}
+
+
+def test_the_origin_of_a_refused_parameter_is_the_last_that_gave_it(
+    write: Callable[[str], str],
+) -> None:
+    path = write(
+        "/**: {ros__parameters: {robot_radius: 9.0, area: {size_x: 1.0}}}\n"
+        "/**/fuzzy_motion: {ros__parameters: {beta: 0.2}}\n"
+    )
+    file = f"--params-file {path}"
+    given = addressed("--params-file", path)
+    reason = "parameter 'robot_radius' must be at most 5.0 m, got 9.0"
+    assert given.origin(reason, "fuzzy_planner") == f" ({file}, section '/**')"
+    assert given.origin("parameter 'area.size_x' is bad", "a") == f" ({file}, section '/**')"
+    assert (
+        given.origin("'beta' is bad", "fuzzy_motion") == f" ({file}, section '/**/fuzzy_motion')"
+    )
+    assert given.origin("'beta' is bad", "fuzzy_planner") == ""
+    assert given.origin("'bta' is unknown; did you mean 'beta'?", "fuzzy_motion") == ""
+    given = addressed("--params-file", path, "-p", "robot_radius:=8.0")
+    assert given.origin(reason, "fuzzy_planner") == " (-p robot_radius:=8.0)"
+    given = addressed("-p", "robot_radius:=8.0", "--params-file", path)
+    assert given.origin(reason, "fuzzy_planner") == f" ({file}, section '/**')"
+    given = addressed("--params-file", path, "-p", "fuzzy_motion:robot_radius:=8.0")
+    assert given.origin(reason, "fuzzy_planner") == f" ({file}, section '/**')"
 
 
 @pytest.mark.parametrize(
@@ -118,7 +143,7 @@ def test_what_is_no_parameter_file(
     write: Callable[[str], str], content: str, message: str
 ) -> None:
     with pytest.raises(ValueError, match=message):
-        section_names(write(content))
+        section_parameters(write(content))
 
 
 def test_a_node_refuses_a_file_with_a_misspelt_node(

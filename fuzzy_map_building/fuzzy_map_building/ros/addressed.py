@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import difflib
 import itertools
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,7 +23,7 @@ import yaml
 from fuzzy_map_building.plain_yaml import PlainLoader, load_plain, shown
 from fuzzy_map_building.ros import names
 
-__all__ = ["Addressed", "section_names"]
+__all__ = ["Addressed", "section_parameters"]
 
 #: Longest parameter file that is read [bytes].
 MAX_FILE_SIZE: Final = 1_000_000
@@ -48,13 +49,14 @@ class _Loader(PlainLoader):
         return super().construct_mapping(node, deep)
 
 
-def section_names(path: str | Path) -> list[str]:
-    """Return the nodes that a parameter file has sections for, wildcards included.
+def section_parameters(path: str | Path) -> dict[str, frozenset[str]]:
+    """Return what a parameter file has sections for, wildcards included.
 
     Returns
     -------
-    list of str
-        Names with their namespaces, such as ``/robot/fuzzy_mapper``; none of an empty file.
+    dict of str to frozenset of str
+        Names of nodes with their namespaces, such as ``/robot/fuzzy_mapper``, and the dotted names
+        of the parameters that each is given; none of an empty file.
 
     Raises
     ------
@@ -68,10 +70,13 @@ def section_names(path: str | Path) -> list[str]:
             raise ValueError(f"longer than {MAX_FILE_SIZE} bytes is no parameter file")
         content: Any = load_plain(text, _Loader)
         if content is None:
-            return []
+            return {}
         if not isinstance(content, dict):
             raise ValueError("a mapping of node names to parameters expected")
-        return list(_sections(content, ""))
+        out: dict[str, frozenset[str]] = {}
+        for name, parameters in _sections(content, ""):
+            out[name] = out.get(name, frozenset()) | parameters
+        return out
     except OSError as error:
         raise ValueError(f"{path}: {error.strerror}") from error
     except RecursionError as error:
@@ -80,8 +85,8 @@ def section_names(path: str | Path) -> list[str]:
         raise ValueError(f"{path}: {error}") from error
 
 
-def _sections(content: Mapping[Any, Any], above: str) -> Iterator[str]:
-    """Yield the names of the mapping's nodes; namespaces may be mappings of their own."""
+def _sections(content: Mapping[Any, Any], above: str) -> Iterator[tuple[str, frozenset[str]]]:
+    """Yield the mapping's nodes and parameters; namespaces may be mappings of their own."""
     for key, value in content.items():
         name = f"{above}/{str(key).strip('/')}"
         if not isinstance(value, dict):
@@ -94,9 +99,17 @@ def _sections(content: Mapping[Any, Any], above: str) -> Iterator[str]:
         if _KEY in value:
             if not isinstance(value[_KEY], dict):
                 raise ValueError(f"'{_KEY}' of {shown(key)} must hold parameters by name")
-            yield name
+            yield name, frozenset(_parameters(value[_KEY], ""))
         else:
             yield from _sections(value, name)
+
+
+def _parameters(content: Mapping[Any, Any], above: str) -> Iterator[str]:
+    for key, value in content.items():
+        if isinstance(value, dict):
+            yield from _parameters(value, f"{above}{key}.")
+        else:
+            yield f"{above}{key}"
 
 
 @dataclass(frozen=True)
@@ -104,7 +117,7 @@ class _Argument:
     """A part of the command line that speaks to nodes by name."""
 
     text: str
-    nodes: Sequence[str]
+    nodes: Mapping[str, frozenset[str]]
 
 
 class Addressed:
@@ -123,21 +136,50 @@ class Addressed:
 
     def __init__(self, argv: Sequence[str]) -> None:
         self._files: list[_Argument] = []
+        self._values: list[_Argument] = []  # whatever sets parameters; the last one wins
         rules: list[_Argument] = []
         renamed: list[str] = []
         for flag, text in itertools.pairwise(argv):
             if flag == "--params-file":
-                self._files.append(_Argument(f"--params-file {text}", section_names(text)))
+                self._files.append(_Argument(f"--params-file {text}", section_parameters(text)))
+                self._values.append(self._files[-1])
             elif flag in ("-p", "--param", "-r", "--remap"):
                 target, _, value = text.partition(":=")
                 node, colon, what = target.rpartition(":")
                 if colon and not what.startswith("//"):  # rostopic://name is of no node
-                    rules.append(_Argument(f"{flag} {text}", [node]))
+                    rules.append(_Argument(f"{flag} {text}", {node: frozenset()}))
+                if flag in ("-p", "--param"):
+                    given = {node or "**": frozenset([what])}
+                    self._values.append(_Argument(f"{flag} {text}", given))
                 if (what or target) in ("__node", "__name"):
                     renamed.append(value)
         for argument in (*self._files, *rules):
             for name in argument.nodes:
                 _check(argument.text, name, (*_KNOWN, *renamed))
+
+    def origin(self, reason: str, node: str) -> str:
+        """Return where a refused parameter was given, to be put behind the reason.
+
+        Parameters
+        ----------
+        reason : str
+            Why the node cannot start; it names the parameter in quotes.
+        node : str
+            Name of the node, without its namespace.
+
+        Returns
+        -------
+        str
+            The argument, and the section of a file, in brackets; empty if none gives it.
+        """
+        named = set(re.findall(r"'([^']+)'", reason.partition("did you mean")[0]))
+        found = ""
+        for argument in self._values:
+            for section, parameters in argument.nodes.items():
+                if _last(section) in (node, "*", "**") and named & parameters:
+                    where = f", section '{section}'" if argument in self._files else ""
+                    found = f" ({argument.text}{where})"
+        return found
 
     def unheard(self, node: str) -> list[str]:
         """Return a sentence for each parameter file that has no section for a node.

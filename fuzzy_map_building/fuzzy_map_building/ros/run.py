@@ -34,6 +34,7 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
 from fuzzy_map_building import jit
+from fuzzy_map_building.parameter_schema import ParameterError
 from fuzzy_map_building.ros.addressed import Addressed
 from fuzzy_map_building.ros.readiness import tell_ready
 from fuzzy_map_building.ros.usage import USAGES
@@ -137,7 +138,7 @@ def spin_node(
         return 0
     with stop_on_signals() as stop:
         try:
-            node = _start(factory, argv)
+            node = _start(factory, argv, called)
         except (ValueError, OSError) as error:
             _refuse(called, error)
             _let_go(error)
@@ -165,7 +166,7 @@ def _asks_for_help(argv: Sequence[str]) -> bool:
     return any(word in ("-h", "--help") for word in own)
 
 
-def _start(factory: Callable[[], Node], argv: list[str]) -> Node:
+def _start(factory: Callable[[], Node], argv: list[str], called: str) -> Node:
     """Return the node, or raise ValueError for a command line that cannot be meant."""
     addressed = Addressed(argv)  # before rcl, whose sentences name neither key nor node
     try:
@@ -183,7 +184,10 @@ def _start(factory: Callable[[], Node], argv: list[str]) -> Node:
         rclpy.init(args=argv, signal_handler_options=SignalHandlerOptions.NO)
     except Exception as error:  # as above
         raise _refused(error) from error
-    node = factory()
+    try:
+        node = factory()
+    except ParameterError as error:
+        raise ParameterError(f"{error}{addressed.origin(str(error), called)}") from error
     for problem in addressed.unheard(node.get_name()):
         node.get_logger().warning(problem)
     if slow := jit.remark():

@@ -14,7 +14,7 @@ from typing import Final
 from fuzzy_map_building.parameter_schema import suggest
 from fuzzy_map_building.params import DEFAULT_PRESET, mapper_parameters
 from fuzzy_map_building.ros import names
-from fuzzy_map_building.ros.addressed import section_names
+from fuzzy_map_building.ros.addressed import section_parameters
 from fuzzy_map_building.types import Pose2
 from fuzzy_navigation.params import motion_parameters, planner_parameters
 from nomad_sim.ground_truth import reachable
@@ -246,7 +246,7 @@ def _check_parameter_file(path: Path) -> None:
     """Refuse a file that ROS would refuse later, or would silently not use."""
     known = set(NODES.values())
     try:
-        sections = section_names(path)
+        sections = section_parameters(path)
     except ValueError as error:
         raise ValueError(f"--params-file {error}") from error
     if not sections:
