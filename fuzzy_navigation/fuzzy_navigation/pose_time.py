@@ -14,6 +14,9 @@ __all__ = ["PoseTime"]
 
 #: A clock that has not moved for so long [s of wall time] stands.
 STANDSTILL = 1.0
+#: A clock that is farther ahead than this [s] from one look to the next, and goes so many times as
+#: fast as the wall's, was set: no simulation runs so fast over topics.
+LEAP, FASTEST = 5.0, 500.0
 
 
 class PoseTime:
@@ -62,9 +65,16 @@ class PoseTime:
         if not self._posed:
             self._passed += wall - self._wall
         elif clock != self._clock:
-            self._passed += max(clock - self._clock, 0.0)  # 0: it was set back
+            self._passed += _step(clock - self._clock, wall - self._wall)
         else:
             self._passed += max(wall - max(self._wall, self._moved + STANDSTILL), 0.0)
         self._clock, self._wall = clock, wall
         # Rounded: sums must not make a time a hair later than the stamp that it equals.
         return round(self._base + self._passed, 9)
+
+
+def _step(clock: float, wall: float) -> float:
+    """Return the time that has passed while the clock and the wall's went on so far [s]."""
+    if clock > LEAP and clock > FASTEST * wall:
+        return wall
+    return max(clock, 0.0)  # 0: it was set back

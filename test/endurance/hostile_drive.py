@@ -66,6 +66,7 @@ class Stack:
         self.sim = NodeProcess("sim", folder / "sim.log", parameters=SIM | {"seed": seed})
         arguments = ["--ros-args", "-p", "use_sim_time:=true"]
         self.bringup = NodeProcess("bringup", folder / "bringup.log", arguments=arguments)
+        self.bringup.wait_for_output("bringup: started", PATIENCE)
         self.client = self.probe.action_client(Navigate, names.NAVIGATE, PATIENCE)
         self.truth.wait_for(timeout=PATIENCE)
 

@@ -49,3 +49,15 @@ def test_a_clock_set_back_does_not_take_time_back() -> None:
     time.at_pose(50.0, clock=50.0, wall=1.0)
     assert time.now(clock=0.1, wall=1.1) == 50.0
     assert time.now(clock=0.3, wall=1.3) == pytest.approx(50.2)
+
+
+def test_a_clock_that_is_set_ahead_does_not_make_time_pass() -> None:
+    time = PoseTime()
+    time.at_pose(50.0, clock=50.0, wall=1.0)
+    # Somebody else's message on /clock, and the next one of the simulator.
+    assert time.now(clock=1050.0, wall=1.05) == pytest.approx(50.05)
+    assert time.now(clock=50.1, wall=1.06) == pytest.approx(50.05)
+    assert time.now(clock=50.2, wall=1.07) == pytest.approx(50.15)
+    # A simulation at a hundred times real time, and a process that was held up for a while.
+    assert time.now(clock=60.2, wall=1.17) == pytest.approx(60.15)
+    assert time.now(clock=360.2, wall=4.17) == pytest.approx(360.15)
