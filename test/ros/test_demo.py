@@ -112,8 +112,8 @@ def test_it_reaches_the_goal_and_leaves_figures_and_a_summary(
     assert all(e["stopped_by"] in ("unexplored", "clearance") for e in log[1:])
     assert [e["stamp_s"] for e in log] == sorted(e["stamp_s"] for e in log)
     # However long the simulator has run before, times begin with the goal.
-    assert 0.0 < log[0]["since_goal_s"] < 10.0
-    assert log[-1]["since_goal_s"] <= summary["simulated_duration_s"] + 1.0
+    (sent,) = {round(e["stamp_s"] - e["since_goal_s"], 3) for e in log}
+    assert 1.0 < sent < log[0]["stamp_s"]
     lines = [line for line in process.output().splitlines() if line.startswith("perception")]
     for entry, line in zip(log, lines, strict=True):
         why = f"stopped by {entry['stopped_by']} +alpha"
