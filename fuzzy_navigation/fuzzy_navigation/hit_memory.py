@@ -34,6 +34,10 @@ STAND = math.radians(2.5)
 #: Readings of a standing robot's sensor that differ by more than this [m] are not noise as usual,
 #: and so often in a row they do where nothing comes and goes.
 FLIP, FLIPS = 0.1, 4
+#: Looks of a robot on its way after which it forgets what it has not seen since: about as long as
+#: an infrared counts in the map of one that stands for each. Of walls that are forgotten sooner it
+#: tries the way through once more.
+LOOKS = 8
 #: Points closer than this in x and y are one [m]; bounds the memory.
 RASTER = 0.005
 
@@ -60,7 +64,8 @@ class HitMemory:
         self._echoes: dict[tuple[int, int], SonarReading] = {}
         self._points: dict[tuple[int, int], tuple[float, float]] = {}
         self._guesses: dict[tuple[int, int], tuple[float, float]] = {}
-        self._old: set[tuple[int, int]] = set()
+        # How many looks ago each was last seen.
+        self._unseen: dict[tuple[int, int], int] = {}
         self._kept: set[tuple[int, int]] = set()
         self._stood_before = False
         self._last: Pose2 | None = None
@@ -73,9 +78,11 @@ class HitMemory:
             {key: point for key, point in hits.items() if place.distance_to(*point) > reach}
             for hits in (self._points, self._guesses)
         )
+        stood, unseen = self.standing, self._unseen
         self.forget()
-        self._points, self._guesses = points, guesses
-        self._kept = {*points, *guesses}
+        self._points, self._guesses, self._unseen = points, guesses, unseen
+        self.add(stood[np.hypot(stood[:, 0] - place.x, stood[:, 1] - place.y) > reach])
+        self._kept = {*self._points, *self._guesses}
 
     def forget_kept(self) -> bool:
         """Forget what `forget_near` has kept; return whether there was anything."""
@@ -85,14 +92,16 @@ class HitMemory:
         return len(kept) > 0
 
     def outdate(self) -> None:
-        """Forget what has not been seen since the last call of this."""
-        self._drop(self._old)
+        """Take note of a look on the way: forget what was last seen `LOOKS` looks ago."""
         if self._stood_before:
+            self.add(self.standing)
             self._standing.clear()
             self._echoes.clear()
         self._stood_before = True
-        self._old = {*self._points, *self._guesses}
-        self._array = self._stood_array = None
+        looks = self._unseen
+        self._unseen = {key: looks.get(key, -1) + 1 for key in (*self._points, *self._guesses)}
+        self._drop([key for key, unseen in self._unseen.items() if unseen >= LOOKS])
+        self._stood_array = None
 
     def _drop(self, keys: Iterable[tuple[int, int]]) -> None:
         for key in keys:
@@ -180,7 +189,7 @@ class HitMemory:
         for x, y in points.tolist():
             self._array = None
             key = round(x / RASTER), round(y / RASTER)
-            self._old.discard(key)
+            self._unseen.pop(key, None)
             self._kept.discard(key)
             if key not in self._points:
                 kept.setdefault(key, (x, y))

@@ -137,7 +137,7 @@ class Surroundings:
             )
 
     def move_on(self) -> None:
-        """Forget what was last seen before the last call of this; the robot is on its way."""
+        """Take note of a look on the way: what was seen long ago is forgotten."""
         self._phase = _Phase.MOVING
         self._memory.outdate()
 

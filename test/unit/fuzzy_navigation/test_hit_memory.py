@@ -9,7 +9,7 @@ import pytest
 
 from fuzzy_map_building.sonar_guard import RIM_SPREAD
 from fuzzy_map_building.types import InfraredReading, Pose2, SonarReading
-from fuzzy_navigation.hit_memory import HitMemory
+from fuzzy_navigation.hit_memory import LOOKS, HitMemory
 from fuzzy_navigation.params import PAPER_PRESET, InfraredParameters, motion_parameters
 from fuzzy_navigation.surroundings import Surroundings
 
@@ -110,15 +110,23 @@ class TestMemory:
         assert as_set(memory.points) == {(1.9, 2.0), (2.5, 2.0)}
         assert not memory.forget_kept()
 
-    def test_what_a_perception_has_kept_is_forgotten_with_the_way(self) -> None:
+    def test_what_a_perception_keeps_is_forgotten_as_soon_as_without_it(self) -> None:
         memory = HitMemory(RING)
         memory.add(np.array([(1.9, 2.0)]))
-        memory.forget_near(Pose2(1.0, 2.0), 0.83)
-        memory.outdate()
+        for look in range(LOOKS):
+            memory.outdate()
+            if look == 2:
+                memory.forget_near(Pose2(1.0, 2.0), 0.83)
         assert as_set(memory.points) == {(1.9, 2.0)}
         memory.outdate()
         assert memory.points.shape == (0, 2)
         assert not memory.forget_kept()
+
+    def test_a_perception_elsewhere_keeps_what_was_seen_at_the_one_before(self) -> None:
+        memory = HitMemory(RING)
+        memory.stand([reading(0.3), reading(0.3, sensor=8)])
+        memory.forget_near(Pose2(2.0, 2.0), 0.83)
+        assert as_set(memory.points) == {(0.47, 2.0)}
 
 
 LAYER = {"layer.enabled": True}
@@ -269,19 +277,24 @@ class TestSurroundings:
         assert here.clearance(2.0, Pose2(1.1, 2.0)) == math.inf
 
 
-def test_on_the_way_what_is_not_seen_again_is_forgotten_at_the_second_call() -> None:
+def test_on_the_way_what_is_not_seen_again_for_some_looks_is_forgotten() -> None:
     memory = HitMemory(RING)
     memory.stand([reading(0.3)])
     memory.add(np.array([(1.0, 1.0), (2.0, 2.0)]))
     memory.add(np.array([(3.0, 3.0)]), guessed=True)
-    memory.outdate()
-    assert len(memory.points) == 4
+    for _ in range(LOOKS):
+        memory.outdate()
+        assert as_set(memory.points) == {(1.53, 2.0), (1.0, 1.0), (2.0, 2.0), (3.0, 3.0)}
+        assert memory.guesses == 1
     memory.add(np.array([(2.0, 2.0), (4.0, 4.0)]))
     memory.outdate()
-    assert as_set(memory.points) == {(2.0, 2.0), (4.0, 4.0)}
+    # The perception's own counts from when the robot had left it.
+    assert as_set(memory.points) == {(1.53, 2.0), (2.0, 2.0), (4.0, 4.0)}
     assert memory.guesses == 0
-    memory.outdate()
+    for _ in range(LOOKS):
+        memory.outdate()
     assert len(memory.points) == 0
+    memory.stand([reading(0.3)])
     memory.forget()
     memory.stand([reading(0.3)])
     memory.outdate()
