@@ -333,8 +333,8 @@ class Mission(MissionState):
         self._state = State.MOVING
         self._record.alpha = plan.alpha
         reach = self._known.reach(path.points)
-        hits, relaxed = self._around.remembered, self._record.relaxed
-        self._motion.begin(self._here, path, self._record.goal, reach, relaxed, hits)
+        hits, vain = self._around.remembered, self._record.looked_in_vain
+        self._motion.begin(self._here, path, self._record.goal, reach, vain, hits)
         return self._stopped() if self._motion.stopped is not None else []
 
     def _jumped(self, jump: str) -> list[Command]:
@@ -365,8 +365,7 @@ class Mission(MissionState):
     def _stopped(self) -> list[Command]:
         """Judge what the motion brought, and perceive again unless that is the end."""
         assert self._motion.stopped is not None
-        verdict = verdicts.arrival(self._record, self._here)
-        if verdict:
+        if verdict := verdicts.arrival(self._record, self._here):
             return self._finish(verdict)
         self._note_stop(self._motion.stopped)
         verdict = verdicts.stalemate(self._record, self._here, self._p)
@@ -381,7 +380,8 @@ class Mission(MissionState):
         because = self._around.nearest(now, self._here) if stop is Stop.CLEARANCE else ""
         self._record.stopped(stop, self._motion.came_on, because)
         hits = self._around.near(now, self._here, self._record.without_progress)
-        self._tried.stopped(self._record, hits, self._motion.next_point, self._known)
+        if self._tried.stopped(self._record, hits, self._motion.next_point, self._known):
+            self._record.without_progress = 0
 
     def _judged(self, verdict: verdicts.Verdict) -> list[Command]:
         """End, unless there is a doubt in what the verdict rests on: then look again."""

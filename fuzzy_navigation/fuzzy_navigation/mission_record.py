@@ -82,9 +82,9 @@ class MissionRecord:
         return self.tolerance - ARRIVAL_MARGIN
 
     @property
-    def relaxed(self) -> bool:
-        """Whether a smaller clearance is allowed: the last perceptions could not end a stop."""
-        return self.without_progress > 0 and self.last_stop is Stop.CLEARANCE
+    def looked_in_vain(self) -> int:
+        """How many perceptions in a row have not ended a stop for want of clearance."""
+        return self.without_progress if self.last_stop is Stop.CLEARANCE else 0
 
     @property
     def travelled(self) -> NDArray[np.float64]:

@@ -74,7 +74,7 @@ class Motion:
         self._first = self._aimed_at = self._driven = self._reach = 0
         self._before = 0.0
         self._stop_at = math.inf
-        self._relaxed = False
+        self._vain = 0
         self._stopping: Stop | None = None
         self._stopped: Stop | None = None
         self._stalled = self._advanced = 0.0
@@ -121,8 +121,12 @@ class Motion:
 
     @property
     def next_point(self) -> tuple[float, float]:
-        """Centre (x, y) [m] of the path's cell behind the last one that is explored."""
-        x, y = self._path.points[min(self._reach + 1, len(self._path.points) - 1)]
+        """Centre (x, y) [m] of the path's cell that the robot stopped before.
+
+        It is the one behind the last that is explored, or the next where there is no room.
+        """
+        last = self.passed if self._stopped is Stop.CLEARANCE else self._reach
+        x, y = self._path.points[min(last + 1, len(self._path.points) - 1)]
         return float(x), float(y)
 
     def ahead(self, distance: float) -> int:
@@ -158,7 +162,7 @@ class Motion:
         return self._follower.remaining + float(np.hypot(steps[:, 0], steps[:, 1]).sum())
 
     def begin(
-        self, pose: Pose2, path: PlannedPath, goal: Pose2, reach: int, relaxed: bool, hits: Points
+        self, pose: Pose2, path: PlannedPath, goal: Pose2, reach: int, vain: int, hits: Points
     ) -> None:
         """Set out on a path.
 
@@ -172,12 +176,12 @@ class Motion:
             The path ends exactly there if its last cell holds it.
         reach : int
             Index of the last cell of the path that is in the explored area.
-        relaxed : bool
-            Whether the last perception brought no progress.
+        vain : int
+            How many perceptions in a row have not ended a stop for want of clearance.
         hits : ndarray of float64, shape (n, 2)
             Hit points [m] of the perception.
         """
-        self._relaxed = relaxed
+        self._vain = vain
         self._stalled, self._advanced, self._before = 0.0, 0.0, 0.0
         self._lay(pose, path, goal, reach, hits)
 
@@ -230,7 +234,8 @@ class Motion:
 
     def tighten(self) -> None:
         """Allow a smaller clearance no longer if the robot has come on."""
-        self._relaxed = self._relaxed and not self.came_on
+        if self.came_on:
+            self._vain = 0
 
     def halt(self) -> None:
         """Take note that the robot was commanded to stand at once."""
@@ -374,12 +379,12 @@ class Motion:
 
         `clearances` [m] are those where the robot is and on the driven way beside the points.
         """
-        alpha, relaxed = self._path.alpha, self._relaxed
+        alpha, vain = self._path.alpha, self._vain
         if not isinstance(self._rule, LayerClearance):
-            return self._rule.blocked(clearances, alpha, relaxed)
+            return self._rule.blocked(clearances, alpha, vain)
         # As the planner judged the cells: by the best place in each.
         first = min(first, len(self._path.points) - 1)
         cells = self._path.points[first : first + len(clearances) - 1]
         best = best_clearance(cells, hits, self._p.robot_radius, self._p.layer.shift)
-        by_cells = self._rule.blocked(np.concatenate((clearances[:1], best)), alpha, relaxed)
-        return by_cells | self._floor.blocked(clearances, alpha, relaxed)
+        by_cells = self._rule.blocked(np.concatenate((clearances[:1], best)), alpha, vain)
+        return by_cells | self._floor.blocked(clearances, alpha, vain)

@@ -53,6 +53,15 @@ class ClearanceParameters:
         minimum=0.0,
         maximum=2.0,
     )
+    impasse: float = parameter(
+        0.15,
+        doc="distance from a cell within which all are barred, for refusal_memory, when "
+        "livelock_limit perceptions in a row found no room to enter it, though a path seems "
+        "free; 0: that is a livelock",
+        unit="m",
+        minimum=0.0,
+        maximum=2.0,
+    )
 
     def __post_init__(self) -> None:
         validate(self)

@@ -321,6 +321,7 @@ MOTION_PRESETS: Mapping[str, Mapping[str, Any]] = {
     PAPER_PRESET: {
         "any_angle": False,
         "augmentation": "square",
+        "clearance.impasse": 0.0,
         "clearance.rule": "closing",
         "frontier_looks": 0,
         "look_turn": 0.0,

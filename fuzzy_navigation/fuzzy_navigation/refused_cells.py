@@ -101,7 +101,7 @@ class RefusedCells:
         hits, geometry
             As `add_obstacle` takes them.
         ahead : tuple of float
-            Centre (x, y) [m] of the path's cell behind the last one that is explored.
+            Centre (x, y) [m] of the path's cell that the robot stopped before.
         """
         if record.last_stop is Stop.CLEARANCE:
             self.add_obstacle(record.perceptions, hits, geometry)
@@ -175,6 +175,31 @@ class RefusedCells:
             )
         elif looks > 1:
             self._bar(ahead, 0.0, perception, UNEXPLORED_MEMORY, geometry)
+
+    def add_impasse(
+        self,
+        perception: int,
+        ahead: tuple[float, float],
+        radius: float,
+        geometry: GridGeometry,
+    ) -> None:
+        """Bar a place where look after look leaves the body no room.
+
+        Each look explains what the one before has seen, and sees something else: hit points by
+        themselves would hold the robot there for good.
+
+        Parameters
+        ----------
+        perception : int
+            Number of perceptions made so far.
+        ahead : tuple of float
+            Centre (x, y) [m] of the cell that the robot stopped before.
+        radius : float
+            Distance from it [m] within which cells are barred.
+        geometry : GridGeometry
+            The cells.
+        """
+        self._bar(ahead, radius, perception, self._memory, geometry)
 
     def _bar(
         self,

@@ -34,7 +34,7 @@ class StopRule(Protocol):
     """Decides, from clearances along the path, which of the next steps must not be made."""
 
     def blocked(
-        self, clearances: NDArray[np.float64], alpha: float, relaxed: bool
+        self, clearances: NDArray[np.float64], alpha: float, vain: int
     ) -> NDArray[np.bool_]:
         """Tell which steps are forbidden.
 
@@ -45,8 +45,8 @@ class StopRule(Protocol):
             next m places of its path.
         alpha : float
             Rung of the ladder that the path was found on.
-        relaxed : bool
-            Whether the last perception brought no progress.
+        vain : int
+            How many perceptions in a row have not ended a stop for want of clearance.
 
         Returns
         -------
@@ -72,10 +72,10 @@ class ClosingClearance:
         self._override = override
 
     def blocked(
-        self, clearances: NDArray[np.float64], alpha: float, relaxed: bool
+        self, clearances: NDArray[np.float64], alpha: float, vain: int
     ) -> NDArray[np.bool_]:
         """See `StopRule.blocked`."""
-        limit = self._override if relaxed else self._limit
+        limit = self._override if vain > 0 else self._limit
         following = clearances[1:]
         return (following < limit) & (following < clearances[:-1])
 
@@ -93,7 +93,7 @@ class StrictClearance:
         self._limit = limit
 
     def blocked(
-        self, clearances: NDArray[np.float64], alpha: float, relaxed: bool
+        self, clearances: NDArray[np.float64], alpha: float, vain: int
     ) -> NDArray[np.bool_]:
         """See `StopRule.blocked`."""
         return clearances[:-1] < self._limit
@@ -104,8 +104,9 @@ class LayerClearance:
 
     The risk of the clearance must not exceed the rung that the path was found on: a path that
     the planner could only find where it is narrow may be driven there. At the first rung, 0.6,
-    this is the paper's least clearance. After a perception without progress it is the next rung:
-    where the planner sees just room enough, noise alone would hold the robot for good.
+    this is the paper's least clearance. After a perception in vain it is the next rung: where the
+    planner sees just room enough, noise alone would hold the robot for good. Every second one
+    more adds a rung, up to the clearance at which the layer closes a cell.
 
     Parameters
     ----------
@@ -117,11 +118,11 @@ class LayerClearance:
         self._layer = layer
 
     def blocked(
-        self, clearances: NDArray[np.float64], alpha: float, relaxed: bool
+        self, clearances: NDArray[np.float64], alpha: float, vain: int
     ) -> NDArray[np.bool_]:
         """See `StopRule.blocked`."""
         following = clearances[1:]
-        alpha = alpha + RUNG if relaxed else alpha
+        alpha += RUNG * ((vain + 1) // 2)
         closer = following < clearances[:-1] - SHRINKING
         return (clearance_risk(following + self._layer.slack, self._layer) > alpha) & closer
 

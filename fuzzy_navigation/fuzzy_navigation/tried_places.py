@@ -30,7 +30,7 @@ class TriedPlaces:
     def __init__(self, parameters: MotionParameters) -> None:
         p = parameters
         keep_out = p.robot_radius + p.clearance.override
-        self._patience = p.patience
+        self._p = p
         shift = p.layer.shift if p.subcell_target else 0.0
         self._refused = RefusedCells(p.refusal_memory, keep_out, p.believed_free_alpha, shift)
         self._looks = FrontierLooks(p.frontier_looks, p.frontier_reach, keep_out)
@@ -48,7 +48,7 @@ class TriedPlaces:
 
     def stopped(
         self, record: MissionRecord, hits: Points, ahead: tuple[float, float], area: ExploredArea
-    ) -> None:
+    ) -> bool:
         """Take note of where the motion has just not gone on.
 
         Parameters
@@ -57,8 +57,21 @@ class TriedPlaces:
             As `RefusedCells.take_note` takes them.
         area : ExploredArea
             The cells.
+
+        Returns
+        -------
+        bool
+            Whether the place itself is barred now, since look after look found no room there
+            on what seemed to be a way: the next path leads elsewhere.
         """
         self._refused.take_note(record, hits, ahead, area.geometry)
+        p, radius = self._p, self._p.clearance.impasse
+        impasse = radius > 0.0 and p.refusal_memory > 0
+        impasse &= record.alpha <= p.believed_free_alpha
+        impasse &= record.looked_in_vain >= p.livelock_limit
+        if impasse:
+            self._refused.add_impasse(record.perceptions, ahead, radius, area.geometry)
+        return impasse
 
     def barred(self, perception: int, area: ExploredArea) -> tuple[tuple[float, float], ...]:
         """Return the centres (x, y) [m] of the cells that no path may enter now."""
@@ -78,7 +91,7 @@ class TriedPlaces:
         bool
             Whether there was something to give free.
         """
-        late = perceptions >= self._patience
+        late = perceptions >= self._p.patience
         first = late not in self._given_free
         self._given_free.add(late)
         released = self._refused.release() and first

@@ -160,3 +160,23 @@ def test_the_memory_ends_with_the_next_perception() -> None:
     here = (script.pose.x, script.pose.y)
     script.plan(commands, cells_along(here, GOAL))
     assert finish_of(script.run()).outcome is Outcome.REACHED
+
+
+@pytest.mark.parametrize("impasse", [0.15, 0.0])
+def test_a_place_where_looks_find_no_room_is_barred_or_a_livelock(impasse: float) -> None:
+    """This planner has no other way than through the wall."""
+    script = script_of(**{"livelock_limit": 2, "clearance.impasse": impasse, "look_turn": 0.0})
+    script.seen = wall_at(2.45)
+    script.set_out(GOAL)
+    for _ in range(3):
+        commands = script.run()
+        (plan,) = (c for c in script.perceive(commands) if isinstance(c, Plan))
+        assert [2.15, 2.05] not in np.round(plan.barred, 9).tolist()
+        here = (script.pose.x, script.pose.y)
+        commands = script.plan((plan,), cells_along(here, GOAL), 0.6)
+    commands = script.run()
+    if impasse == 0.0:
+        assert finish_of(commands).outcome is Outcome.LIVELOCK
+    else:
+        (plan,) = (c for c in script.perceive(commands) if isinstance(c, Plan))
+        assert [2.15, 2.05] in np.round(plan.barred, 9).tolist()

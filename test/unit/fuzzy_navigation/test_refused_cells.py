@@ -118,6 +118,16 @@ def test_on_a_risky_path_the_cells_around_are_the_same_place():
     assert set(memory.barred(40)) == expected
 
 
+def test_an_impasse_is_a_place_and_lasts_as_long_as_an_obstacle():
+    memory = RefusedCells(5, KEEP_OUT, 0.6)
+    memory.add_impasse(3, CELL, 0.15, GEOMETRY)
+    centres = [GEOMETRY.centre_of(r, c) for r in range(30) for c in range(40)]
+    expected = {(x, y) for x, y in centres if math.dist((x, y), CELL) <= 0.15}
+    assert len(expected) == 9
+    assert set(memory.barred(7)) == expected
+    assert memory.barred(8) == ()
+
+
 def test_an_unexplored_cell_is_forgotten_sooner_but_does_not_shorten_an_obstacle():
     memory = RefusedCells(20, KEEP_OUT, 0.6)
     looked_at_twice(memory, 3, *CELL)

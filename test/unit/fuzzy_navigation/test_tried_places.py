@@ -105,6 +105,31 @@ def test_obstacles_are_tried_once_more_before_the_patience_is_over_and_once_afte
 
 
 @pytest.mark.parametrize(
+    ("overrides", "looks", "alpha", "impasse"),
+    [
+        ({}, 6, 0.6, True),
+        ({}, 5, 0.6, False),
+        ({}, 6, 0.7, False),  # through cells believed occupied: there is a verdict for that
+        ({"livelock_limit": 2}, 2, 0.6, True),
+        ({"clearance.impasse": 0.0}, 6, 0.6, False),
+        ({"refusal_memory": 0}, 6, 0.6, False),
+    ],
+)
+def test_where_look_after_look_finds_no_room_there_is_no_way(
+    overrides: dict[str, float], looks: int, alpha: float, impasse: bool
+) -> None:
+    tried = TriedPlaces(motion_parameters(overrides={"frontier_looks": 0, **overrides}))
+    area = ExploredArea(GEOMETRY, np.zeros(GEOMETRY.shape), 0.9, 0.23, "disc")
+    record = MissionRecord(1, Pose2(3.05, 2.05), 0.1, 0.0)
+    record.alpha = alpha
+    for _ in range(looks):
+        record.perceptions += 1
+        record.stopped(Stop.CLEARANCE, progress=False)
+    assert tried.stopped(record, np.empty((0, 2)), (1.55, 2.05), area) is impasse
+    assert len(tried.barred(looks, area)) == (9 if impasse else 0)
+
+
+@pytest.mark.parametrize(
     ("perceptions", "times"), [([1, 2, 3, 4], 3), ([7, 8], 1), ([2, 9, 10], 2)]
 )
 def test_all_is_looked_at_again_while_patience_lasts_and_once_after_it(
