@@ -164,7 +164,7 @@ def test_the_memory_ends_with_the_next_perception() -> None:
 
 @pytest.mark.parametrize("impasse", [0.15, 0.0])
 def test_a_place_where_looks_find_no_room_is_barred_or_a_livelock(impasse: float) -> None:
-    """This planner has no other way than through the wall."""
+    """The planner has no other way than through the wall."""
     script = script_of(**{"livelock_limit": 2, "clearance.impasse": impasse, "look_turn": 0.0})
     script.seen = wall_at(2.45)
     script.set_out(GOAL)
