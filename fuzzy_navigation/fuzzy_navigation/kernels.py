@@ -345,9 +345,7 @@ def best_first(
             queue[entry] = (buckets[slot] << _LINK) + visit
             buckets[slot] = entry
         if held >= 0:
-            turn = held_ticks >> fine_bits
-            if turn < bucket:
-                bucket = turn
+            bucket = min(bucket, held_ticks >> fine_bits)
     control[FREE] = free
     control[FRESH] = fresh
     control[WAITING] = waiting
