@@ -36,13 +36,13 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from fuzzy_msgs.action import Navigate
 from geometry_msgs.msg import PoseStamped, Twist
 
-from endurance.stranger import DEFAULTS, ENDS, KINDS, SIM, Stranger
 from fuzzy_map_building.ros import names, qos
 from fuzzy_navigation.mission_types import Outcome
 from ros.harness import NodeProcess, Probe, wait_until
 from ros.motion_scene import goal_at
 from ros.room import stamp
 from ros.stack import Status, speeds
+from ros.stranger import DEFAULTS, ENDS, KINDS, SIM, Stranger
 
 #: Longest wait for a verdict and for a node to come up [s of wall time].
 PATIENCE = 300.0
@@ -164,6 +164,7 @@ def uncounted(stack: Stack, stranger: Stranger) -> list[str]:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--quick", action="store_true", help="half a minute")
     parser.add_argument("--minutes", type=float, default=4.0, help="of the attack (default: 4)")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--kind", choices=KINDS, help="only of this kind (default: in turn)")
@@ -177,7 +178,7 @@ def main() -> int:
         stack = Stack(folder, options.seed)
         try:
             stranger = Stranger(stack.probe, stack.truth, rng)
-            end, number = time.monotonic() + 60.0 * options.minutes, 0
+            end, number = time.monotonic() + 60.0 * (0.5 if options.quick else options.minutes), 0
             while time.monotonic() < end or number == 0:
                 kind = options.kind or KINDS[number % len(KINDS)]
                 goal, pause = ENDS[number % 2], rng.choice(PAUSES)

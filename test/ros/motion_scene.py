@@ -119,9 +119,8 @@ class Scene:
 
         try:
             self.diagnostics.wait_for(lambda array: wanted.items() <= shown(array).items())
-        except AssertionError:
-            assert shown(self.diagnostics.last) == wanted
-            raise
+        except AssertionError as error:
+            raise AssertionError(f"{shown(self.diagnostics.last)}, wanted {wanted}") from error
 
 
 @contextlib.contextmanager

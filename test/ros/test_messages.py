@@ -59,13 +59,16 @@ def test_everything_that_is_given_up_is_told_with_its_sensor_and_its_times() -> 
     for stamp in (10.0, 10.0, 9.9, 11.0):
         assembler.add_range(3, stamp, 1.0, 10.0)
     assembler.add_range(4, 8.0, 1.0, 10.0)
+    assembler.add_range(5, 10.05, 1.0, 10.0)
     assembler.release(10.6)
     told = {**assembler.examples, **{f"pose.{k}": v for k, v in assembler.poses.examples.items()}}
     assert told == {
         "duplicate": "sonar 3 stamped 10.000 s, after 10.000 s",
         "out_of_order": "sonar 3 stamped 9.900 s, after 10.000 s",
         "future": "sonar 3 stamped 11.000 s, 1.000 s ahead of the clock",
-        "no_pose": "sonar 4 stamped 8.000 s, the clock being at 10.600 s, the newest of them "
+        "before_pose": "sonar 4 stamped 8.000 s, the clock being at 10.600 s, the newest of them "
+        "at 10.000 s",
+        "no_pose": "sonar 5 stamped 10.050 s, the clock being at 10.600 s, the newest of them "
         "at 10.000 s",
         "no_turret": "sonar 3 stamped 10.000 s, the clock being at 10.600 s, the newest of them "
         "at none",
