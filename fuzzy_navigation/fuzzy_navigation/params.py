@@ -94,7 +94,7 @@ class PlannerParameters:
         source="paper, section V: first",
     )
     rung_factor: float = parameter(
-        2.0,
+        1.1,
         doc="how many times the cheapest path a path on a lower rung may cost",
         minimum=1.0,
         maximum=1e6,
