@@ -24,7 +24,7 @@ help:
 	@echo 'make shell         a shell in which install/<package>/lib/<package>/<executable> runs'
 	@echo 'make lint          ruff, mypy and the import contracts'
 	@echo 'make coverage      line and branch coverage: the cores, and all'
-	@echo 'make bench         times beside those of other libraries, which it installs; 15 minutes'
+	@echo 'make bench         times beside those of other libraries, which it installs; 5 minutes or more'
 	@echo 'make requirements  resolve .ci/requirements.in into requirements.txt again'
 	@echo 'make clean         remove .venv and everything that was built'
 	@echo 'PYTHON=python3.12 chooses the interpreter (3.10-3.13).'
