@@ -116,7 +116,8 @@ class ControlTicks:
             If the stamp lies in the future or too long ago, or is not after the pose before,
             unless the clock was set back or poses begin anew: then everything older is forgotten.
         """
-        _check_future(now, stamp, "pose")
+        if stamp > now + FUTURE_TOLERANCE:
+            raise _early(now, stamp, "pose")
         if self.max_age < now - stamp < math.inf:
             raise Untimely(
                 "late",
@@ -160,12 +161,12 @@ class ControlTicks:
             raise ValueError(
                 f"the ring has infrared sensors 0 to {len(self._bearings) - 1}, got {sensor}"
             )
-        what = f"range of infrared sensor {sensor}"
-        _check_future(now, stamp, what)
+        if stamp > now + FUTURE_TOLERANCE:
+            raise _early(now, stamp, _range_of(sensor))
         before = self._newest.get(sensor)
         late = before is not None and stamp <= before[0]
         if late and not _begins_anew(now, self._range_came[sensor]):
-            raise _late(stamp, self._newest[sensor][0], what)
+            raise _late(stamp, self._newest[sensor][0], _range_of(sensor))
         self._newest[sensor] = (stamp, distance)
         self._range_came[sensor] = now
         self._unused.add(sensor)
@@ -215,13 +216,16 @@ def _begins_anew(now: float, before: float) -> bool:
     return now - before > HORIZON or now - before < -CLOCK_SLACK
 
 
-def _check_future(now: float, stamp: float, what: str) -> None:
-    if stamp > now + FUTURE_TOLERANCE:
-        raise Untimely(
-            "future",
-            f"{what} is stamped {stamp:.3f} s, {stamp - now:.3f} s ahead of the clock: "
-            "synchronise the clocks; is use_sim_time set alike?",
-        )
+def _range_of(sensor: int) -> str:
+    return f"range of infrared sensor {sensor}"
+
+
+def _early(now: float, stamp: float, what: str) -> Untimely:
+    return Untimely(
+        "future",
+        f"{what} is stamped {stamp:.3f} s, {stamp - now:.3f} s ahead of the clock: "
+        "synchronise the clocks; is use_sim_time set alike?",
+    )
 
 
 def _late(stamp: float, newest: float, what: str) -> Untimely:
