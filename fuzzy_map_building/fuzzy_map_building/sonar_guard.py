@@ -47,6 +47,9 @@ _ROUNDING = 1e-9
 #: Off the axis of a return from too close to measure, seen from the robot's centre, something
 #: smooth may be as close as on it: a robot that passes by must not come closer either [rad].
 RIM_SPREAD = math.radians(26.0)
+#: How far beyond the sonar's least range a hit may lie that explains such a return [m]: noise. Of
+#: what lies farther nothing would come back so soon; robots slid along glass before a wall.
+TOUCH_SLACK = 0.03
 
 
 def guard_points(
@@ -118,9 +121,9 @@ def rim_points(
     """Return hit points of the returns from too close to measure that nothing explains.
 
     Such a return (``-inf``) tells that something is nearer than the sonar's least range, not
-    how near. Unless a point that is known already explains it, as a hit does in `guard_points`,
-    it may touch the body by now: it stands for three points on its rim, one on the return's
-    axis and one at `RIM_SPREAD` on either side.
+    how near. Unless a point that is known already explains it, as a hit does in `guard_points` but
+    by no more than `TOUCH_SLACK`, it may touch the body by now: it stands for three points on its
+    rim, one on the return's axis and one at `RIM_SPREAD` on either side.
 
     Parameters
     ----------
@@ -137,7 +140,8 @@ def rim_points(
     close = [reading for reading in sonar if reading.range == -math.inf]
     if not close:
         return np.zeros((0, 2))
-    returns = _unexplained(close, known, sonar_p, guard)
+    near = dataclasses.replace(guard, slack=min(guard.slack, TOUCH_SLACK))
+    returns = _unexplained(close, known, sonar_p, near)
     angles = returns[:, 2:3] + np.array([0.0, RIM_SPREAD, -RIM_SPREAD])
     rays = np.stack((np.cos(angles), np.sin(angles)), axis=2)
     points: FloatArray = (returns[:, None, :2] + robot_radius * rays).reshape(-1, 2)
