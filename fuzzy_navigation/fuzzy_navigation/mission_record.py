@@ -19,12 +19,12 @@ __all__ = ["MissionRecord", "checked_tolerance"]
 ARRIVAL_MARGIN = 0.01
 #: Distance between two recorded positions [m].
 SPACING = 0.02
-# Of the least clearance: micrometres.
+# Of the least clearance and of what a float32 message has carried: micrometres.
 _DECIMALS = 6
 
 
 def checked_tolerance(tolerance: float) -> float:
-    """Return the tolerance [m] of a goal, 0 meaning the parameter's.
+    """Return the tolerance [m] of a goal, 0 meaning the parameter's, as before a float32 message.
 
     Raises
     ------
@@ -32,6 +32,7 @@ def checked_tolerance(tolerance: float) -> float:
         If it is negative, not finite, or too small for the robot's accuracy.
     """
     least = 2.0 * ARRIVAL_MARGIN
+    tolerance = round(tolerance, _DECIMALS) or tolerance  # what is small does not become 0
     if tolerance != 0.0 and not least <= tolerance <= MAX_TOLERANCE:
         raise ValueError(
             f"the goal's tolerance must be at least {least} m and at most {MAX_TOLERANCE:g} m, "

@@ -93,7 +93,6 @@ class PlanRequest:
             raise ValueError(f"cost must be one of {', '.join(COSTS)}, got {cost!r}")
         if not 0.0 <= alpha <= 1.0:
             raise ValueError(f"alpha must lie in [0, 1], 0 for the ladder, got {alpha}")
-        alpha = round(float(alpha), _DECIMALS)
         if adjacency not in (0, 4, 8):
             raise ValueError(f"adjacency must be 0, 4 or 8, got {adjacency!r}")
         if not 0.0 <= tolerance <= MAX_TOLERANCE:  # a NaN fails
@@ -112,12 +111,17 @@ class PlanRequest:
             heading=start.theta if isinstance(start, Pose2) else 0.0,
             goal=goal_xy,
             cost=cost,
-            rungs=(alpha,) if alpha > 0.0 else p.alpha_ladder,
+            rungs=(_rounded(alpha),) if alpha > 0.0 else p.alpha_ladder,
             adjacency=int(adjacency) or p.adjacency or _ADJACENCY[cost],
-            tolerance=round(float(tolerance), _DECIMALS) or p.tolerance,
+            tolerance=_rounded(tolerance) or p.tolerance,
             barred=positions(barred, "barred", MOST_BARRED),
             hits=positions(hits, "hits", MOST_HITS),
-            slim_radius=round(float(slim_radius), _DECIMALS),
-            slim_above=round(float(slim_above), _DECIMALS),
+            slim_radius=_rounded(slim_radius),
+            slim_above=_rounded(slim_above),
             any_angle=any_angle,
         )
+
+
+def _rounded(value: float) -> float:
+    """Return a number as it was before a float32 message; what is small does not become 0."""
+    return round(float(value), _DECIMALS) or float(value)

@@ -103,7 +103,7 @@ def entry_line(entry: LogEntry, started: float = 0.0) -> str:
     if entry.on_the_way:
         why = f"on the way,{'':11} alpha {entry.alpha:.1f}"
     elif entry.stop is Stop.NONE:
-        why = "at the start"
+        why = "at the start" if entry.perception == 1 else "off its path, or moved from it"
     else:
         why = f"stopped by {entry.stop.name.lower():<10} alpha {entry.alpha:.1f}"
     return (

@@ -50,6 +50,7 @@ def test_bad_goals_are_refused_and_the_running_one_goes_on(scene: Scene) -> None
         (goal_at(2.0, 1e9), 0.0, "beyond"),
         (tilted, 0.0, "tilted"),
         (goal_at(2.0, 2.0), -0.1, "tolerance"),
+        (goal_at(2.0, 2.0), 1e-9, "tolerance"),
         (goal_at(2.0, 2.0), math.nan, "tolerance"),
         (goal_at(2.0, 2.0), math.inf, "tolerance"),
     ]
@@ -65,7 +66,7 @@ def test_bad_goals_are_refused_and_the_running_one_goes_on(scene: Scene) -> None
         navigate__outside=2,
         navigate__too_far=1,
         navigate__tilted=1,
-        navigate__bad_request=3,
+        navigate__bad_request=4,
     )
     goals = scene.probe.publisher(PoseStamped, names.GOAL_POSE, qos.RELIABLE)
     goals.publish(goal_at(math.nan, 0.0))

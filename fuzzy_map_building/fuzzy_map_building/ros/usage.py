@@ -25,7 +25,7 @@ The node '{node}' {job}.
                       -r pose:=/localisation/pose; a namespace by -r __ns:=/robot1
 
 All parameters, their defaults and units: share/{package}/config/{executable}.yaml in
-the installed package, the tables in README.md, 'ros2 param describe /{node} NAME'.
+the installed package, and the tables in README.md.
 'ros2 run {package} {executable}' is the same program."""
 
 

@@ -75,8 +75,6 @@ REPORT_PERIOD: Final = 0.2
 LOG_PERIOD: Final = 1.0
 #: Longest wait for all to have heard the last command of a node that fails [s].
 ACKNOWLEDGEMENT: Final = 0.2
-#: Decimals that a float32 carries.
-DECIMALS: Final = 6
 
 
 class MotionNode(Node):
@@ -265,7 +263,7 @@ class MotionNode(Node):
                     f"the goal ({pose.x:.2f}, {pose.y:.2f}) m lies outside the map, which covers "
                     f"x {x0:g} to {x1:g} m and y {y0:g} to {y1:g} m",
                 )
-            commands = self._mission.start(self._now(), pose, round(tolerance, DECIMALS))
+            commands = self._mission.start(self._now(), pose, tolerance)
         except ValueError as error:
             reason = error.reason if isinstance(error, Refused) else "bad_request"
             self._diagnostics.reject(source, reason, str(error))

@@ -9,7 +9,7 @@ import pytest
 
 from fuzzy_map_building.sonar_guard import RIM_SPREAD
 from fuzzy_map_building.types import InfraredReading, Pose2, SonarReading
-from fuzzy_navigation.hit_memory import LOOKS, HitMemory
+from fuzzy_navigation.hit_memory import HitMemory
 from fuzzy_navigation.params import PAPER_PRESET, InfraredParameters, motion_parameters
 from fuzzy_navigation.surroundings import Surroundings
 
@@ -113,7 +113,7 @@ class TestMemory:
     def test_what_a_perception_keeps_is_forgotten_as_soon_as_without_it(self) -> None:
         memory = HitMemory(RING)
         memory.add(np.array([(1.9, 2.0)]))
-        for look in range(LOOKS):
+        for look in range(8):
             memory.outdate()
             if look == 2:
                 memory.forget_near(Pose2(1.0, 2.0), 0.83)
@@ -282,7 +282,7 @@ def test_on_the_way_what_is_not_seen_again_for_some_looks_is_forgotten() -> None
     memory.stand([reading(0.3)])
     memory.add(np.array([(1.0, 1.0), (2.0, 2.0)]))
     memory.add(np.array([(3.0, 3.0)]), guessed=True)
-    for _ in range(LOOKS):
+    for _ in range(8):
         memory.outdate()
         assert as_set(memory.points) == {(1.53, 2.0), (1.0, 1.0), (2.0, 2.0), (3.0, 3.0)}
         assert memory.guesses == 1
@@ -291,7 +291,7 @@ def test_on_the_way_what_is_not_seen_again_for_some_looks_is_forgotten() -> None
     # The perception's own counts from when the robot had left it.
     assert as_set(memory.points) == {(1.53, 2.0), (2.0, 2.0), (4.0, 4.0)}
     assert memory.guesses == 0
-    for _ in range(LOOKS):
+    for _ in range(8):
         memory.outdate()
     assert len(memory.points) == 0
     memory.stand([reading(0.3)])

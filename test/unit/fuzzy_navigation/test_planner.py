@@ -100,6 +100,8 @@ def test_a_requested_alpha_is_used_alone():
     assert "(2.55, 3.55) m" in blocked.message
     assert "alpha 0.65" in blocked.message
     # 0.7 arrives as 0.699999988 in a message's float32.
+    strict = planner.plan(start, goal, alpha=1e-9)
+    assert (strict.status, strict.alpha) == (PlanStatus.NO_PATH, 1e-9)
     through = planner.plan(start, goal, alpha=float(np.float32(0.7)))
     assert (through.status, through.alpha) == (PlanStatus.FOUND, 0.7)
 

@@ -11,6 +11,7 @@ from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.types import Pose2
 from nomad_sim.ground_truth import (
     Reachability,
+    _leads,
     occupancy,
     reachability,
     reachable,
@@ -158,3 +159,12 @@ class TestClearanceOfTheBestWay:
     def test_a_goal_is_marginal_below_five_centimetres(self, gap, truth):
         world = hall(box(3.0, 0.0, 3.2, 1.0 - gap / 2), box(3.0, 1.0 + gap / 2, 3.2, 2.0))
         assert reachability(world) is Reachability(truth)
+
+
+def test_a_way_that_touches_by_corners_alone_counts_where_ways_are_ruled_out():
+    clearance = np.array([[1.0, 0.0], [0.0, 1.0]])
+    goal = np.array([[False, False], [False, True]])
+    assert _leads(clearance, 1.0, (0, 0), goal, True)
+    assert not _leads(clearance, 1.0, (0, 0), goal, False)
+    assert _leads(clearance, 0.0, (0, 0), goal, False)
+    assert not _leads(clearance, 1.1, (0, 0), goal, True)

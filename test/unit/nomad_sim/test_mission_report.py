@@ -75,5 +75,7 @@ def test_a_perception_is_told_in_a_line() -> None:
         "perception   1 at    4.20 s, (  1.25,   5.25) m: at the start,                    "
         " 6.12 m left"
     )
+    moved = replace(first, perception=5, alpha=0.6)
+    assert ": off its path, or moved from it,   6.12 m left" in entry_line(moved)
     later = replace(first, perception=2, alpha=0.6, on_the_way=True)
     assert ": on the way,            alpha 0.6, " in entry_line(later)
