@@ -39,7 +39,7 @@ test: build
 	@.ci/in_environment .ci/test $(TEST_ARGS)
 
 shell: build
-	@.ci/in_environment "$${SHELL:-/bin/sh}" -i
+	@if [ -t 0 ]; then set -- -i; fi; .ci/in_environment "$${SHELL:-/bin/sh}" "$$@"
 
 lint: build
 	@.ci/in_environment .ci/lint

@@ -18,6 +18,8 @@ from numpy.typing import ArrayLike, NDArray
 from fuzzy_map_building.jit import njit
 
 __all__ = [
+    "COARSEST",
+    "FINEST",
     "MAX_CELLS",
     "GridGeometry",
     "Window",
@@ -28,10 +30,11 @@ __all__ = [
 
 #: Largest grid that is accepted [cells]: bounds every allocation that a request can cause.
 MAX_CELLS = 64_000_000
-# Shortest side of a cell, and farthest coordinate or longest side [m].
-_SHORTEST, _FARTHEST = 1e-6, 1e8
-# Farthest coordinate of a grid in cells: up to it a centre is exact to a thousandth of a cell.
-_MAX_CELLS_AWAY = 2.0**40
+#: Shortest and longest side of a cell [m], wherever a map comes from: below it no range sensor
+#: tells anything, above it no robot finds its way.
+FINEST, COARSEST = 1e-3, 10.0
+# Farthest coordinate of a grid [m]: up to it floats tell places in the finest cell apart.
+_FARTHEST = 1e8
 # A factor that is nearer to 0 is taken for 0.
 _LEVEL = 1e-9
 
@@ -44,6 +47,13 @@ class Window:
     row1: int
     col0: int
     col1: int
+
+    def __str__(self) -> str:
+        return (
+            f"rows {self.row0} to {self.row1 - 1}, columns {self.col0} to {self.col1 - 1}"
+            if not self.empty
+            else "no cells"
+        )
 
     @property
     def slices(self) -> tuple[slice, slice]:
@@ -109,8 +119,7 @@ class GridGeometry:
     ------
     ValueError
         If a count is not a positive whole number, the grid has more than `MAX_CELLS` cells,
-        a cell's side is not from 1e-6 to 1e8 m, or the grid reaches beyond 1e8 m or so far
-        that floats do not tell its cells apart.
+        a cell's side is not from `FINEST` to `COARSEST`, or the grid reaches beyond 1e8 m.
 
     Examples
     --------
@@ -131,8 +140,7 @@ class GridGeometry:
             value = getattr(self, name)
             if not _whole(value) or value < 1:
                 raise ValueError(
-                    f"GridGeometry.{name} is a number of cells, a positive whole number, "
-                    f"got {value!r}; GridGeometry.from_size takes metres"
+                    f"the {name} must be a positive whole number of cells, got {value!r}"
                 )
             object.__setattr__(self, name, int(value))
         if self.width * self.height > MAX_CELLS:
@@ -140,28 +148,32 @@ class GridGeometry:
                 f"a grid of {self.width} x {self.height} cells exceeds the limit of "
                 f"{MAX_CELLS} cells; use a coarser resolution or a smaller area"
             )
-        resolution = _number("GridGeometry.resolution", self.resolution)
-        if not _SHORTEST <= resolution <= _FARTHEST:
+        resolution = _number("the resolution", self.resolution)
+        if not FINEST <= resolution <= COARSEST:
             raise ValueError(
-                f"GridGeometry.resolution must be from {_SHORTEST:g} to {_FARTHEST:g} m, "
-                f"got {resolution}"
+                f"the resolution must be from {FINEST:g} to {COARSEST:g} m (the side of a cell), "
+                f"got {resolution:.9g} m"
             )
         object.__setattr__(self, "resolution", resolution)
         try:
             x, y = self.origin
         except (TypeError, ValueError):
-            raise ValueError(f"GridGeometry.origin must be (x, y) [m], got {self.origin!r}") from (
-                None
-            )
-        origin = (_number("GridGeometry.origin", x), _number("GridGeometry.origin", y))
+            raise ValueError(f"the origin must be (x, y) [m], got {self.origin!r}") from None
+        origin = (_number("the origin", x), _number("the origin", y))
         object.__setattr__(self, "origin", origin)
         farthest = max(map(abs, self.bounds))
-        if not farthest <= min(_FARTHEST, _MAX_CELLS_AWAY * resolution):  # a NaN fails
+        if not farthest <= _FARTHEST:  # a NaN fails
             raise ValueError(
-                f"a grid with origin {origin} m that reaches {farthest:g} m in cells of "
-                f"{resolution:g} m is too far away: the limits are {_FARTHEST:g} m and "
-                f"{_MAX_CELLS_AWAY:.2g} cells; choose an origin nearer to 0"
+                f"a map of {self} reaches {farthest:g} m and is too far away: the limit is "
+                f"{_FARTHEST:g} m; choose an origin nearer to 0"
             )
+
+    def __str__(self) -> str:
+        x, y = self.origin
+        return (
+            f"{self.width} x {self.height} cells of {self.resolution:.9g} m from "
+            f"({x:.9g}, {y:.9g}) m on"
+        )
 
     @classmethod
     def from_size(
@@ -226,7 +238,11 @@ class GridGeometry:
             If the point lies outside the grid or is not finite.
         """
         if not self.contains(x, y):
-            raise ValueError(f"point ({x}, {y}) m lies outside the map area {self.bounds} m")
+            x0, y0, x1, y1 = self.bounds
+            raise ValueError(
+                f"point ({x:.9g}, {y:.9g}) m lies outside the map area, x {x0:.9g} to {x1:.9g} m "
+                f"and y {y0:.9g} to {y1:.9g} m"
+            )
         column = int((x - self.origin[0]) / self.resolution)
         row = int((y - self.origin[1]) / self.resolution)
         return row, column

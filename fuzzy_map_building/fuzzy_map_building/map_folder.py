@@ -12,10 +12,16 @@ import os
 import reprlib
 from pathlib import Path
 
-__all__ = ["MapFolder"]
+__all__ = ["MapFolder", "MapNameError"]
 
-#: Longest name of a file with its folders [bytes of UTF-8]; file systems take little more.
+#: Longest name of a file with its folders, and of each of these [bytes of UTF-8]; file systems
+#: take little more, and beside the file another one is written.
 _MAX_NAME = 1024
+_MAX_PART = 255
+
+
+class MapNameError(ValueError):
+    """A name that stands for no file that may be written or read."""
 
 
 class MapFolder:
@@ -53,15 +59,17 @@ class MapFolder:
 
         Raises
         ------
-        ValueError
+        MapNameError
             If the name is empty, leads out of the folder as an absolute path, by ``..`` or by a
-            symbolic link, or is that of a folder, a device or a pipe: writing would replace it,
-            too.
+            symbolic link, begins with ``~``, lies in a folder that is not there, or is that of a
+            folder, a device or a pipe: writing would replace it, too.
         OSError
             If the folder cannot be made or looked at.
         """
         file = self._allowed(name)
         self._folder.mkdir(parents=True, exist_ok=True)
+        if not file.parent.is_dir():
+            raise MapNameError(f"there is no folder '{file.parent}' for {name!r}; make it first")
         return file
 
     def file_to_read(self, name: str) -> Path:
@@ -69,40 +77,54 @@ class MapFolder:
 
         Raises
         ------
-        ValueError
+        MapNameError
             As `file_to_write`, or if there is none of that name. A pipe would block for ever.
         OSError
             If it cannot be looked at.
         """
         file = self._allowed(name)
         if not file.exists():
-            raise ValueError(f"there is no file '{file}'")
+            raise MapNameError(f"there is no file '{file}'")
         return file
 
     def _allowed(self, name: str) -> Path:
         """Return the path, free of symbolic links, that a name stands for."""
         if not name:
-            raise ValueError("no name was given; name a file")
-        if not name.isprintable() or len(name.encode(errors="replace")) > _MAX_NAME:
-            raise ValueError(f"{reprlib.repr(name)} is no file name")
+            raise MapNameError("no name was given; name a file")
+        if not name.isprintable():
+            raise MapNameError(
+                f"{reprlib.repr(name)} is no file name: it has a character that cannot be printed"
+            )
+        if len(name.encode()) > _MAX_NAME or any(
+            len(part.encode()) > _MAX_PART for part in name.split("/")
+        ):
+            raise MapNameError(
+                f"{reprlib.repr(name)} is no file name: it is too long, {_MAX_PART} bytes are "
+                f"allowed of each part, {_MAX_NAME} in all"
+            )
+        if name.startswith("~"):
+            raise MapNameError(
+                f"{name!r} is refused: '~' does not stand for a home here; name a file in "
+                f"'{self._folder}', or with its absolute path"
+            )
         file = Path(os.path.realpath(self._folder / name))
         if self._confined:
             self._assert_inside(name, file)
         if file.is_symlink():
-            raise ValueError(f"{name!r} is a symbolic link that leads back to itself")
+            raise MapNameError(f"{name!r} is a symbolic link that leads back to itself")
         if file.exists() and not file.is_file():
-            raise ValueError(f"{name!r} is a folder, a device or a pipe; name a file")
+            raise MapNameError(f"{name!r} is a folder, a device or a pipe; name a file")
         return file
 
     def _assert_inside(self, name: str, file: Path) -> None:
         named = self._folder / name
         if ".." in named.parts or not named.is_relative_to(self._folder):
-            raise ValueError(
+            raise MapNameError(
                 f"{name!r} is refused: map files lie inside of the map folder "
                 f"'{self._folder}' (parameter 'map_folder'); name one without '..'"
             )
         if not file.is_relative_to(os.path.realpath(self._folder)):
-            raise ValueError(
+            raise MapNameError(
                 f"{name!r} is refused: a symbolic link leads out of the map folder "
                 f"'{self._folder}'"
             )

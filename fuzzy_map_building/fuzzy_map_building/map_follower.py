@@ -112,6 +112,11 @@ class MapFollower:
         """Whether the map that is held is known to lack nothing that was sent before."""
         return self._geometry is not None and self._doubt is _Doubt.NONE
 
+    @property
+    def behind(self) -> bool:
+        """Whether a map is held that windows can go on from only after the next whole one."""
+        return self._geometry is not None and self._doubt is _Doubt.GAP
+
     def outdated(self, stamp: int) -> bool:
         """Whether windows have made a newer map of this one already, or just this one.
 
@@ -276,6 +281,6 @@ def _fits(window: MapWindow, geometry: GridGeometry) -> bool:
 def _check_fits(window: MapWindow, geometry: GridGeometry) -> None:
     if not _fits(window, geometry):
         raise ValueError(
-            f"{window.window} of {window.cells.shape} cells is no part of a map of "
-            f"{geometry.height} rows, {geometry.width} columns"
+            f"the window ({window.window}; {window.cells.size} values) is no part of the map of "
+            f"{geometry.height} rows and {geometry.width} columns; does somebody else publish it?"
         )

@@ -119,7 +119,7 @@ def remove_unfinished(path: str | Path) -> None:
 
 def _unfinished(target: Path) -> str:
     """Return how the names of files begin that are to become `target`."""
-    return f".{target.name[:100]}."
+    return f".{target.name[:50]}."  # of up to 4 bytes a character, 255 in all
 
 
 def save_map(
@@ -275,8 +275,8 @@ def _read(
     geometry = _geometry(header)
     if wanted is not None and geometry != wanted:
         raise MapFileError(
-            f"it is of the grid {geometry}, this map of {wanted}; start the mapper with the area "
-            f"and resolution of the saved map"
+            f"it is a map of {geometry}, the mapper's is one of {wanted}; start the mapper with "
+            f"the area and resolution of the saved map (parameters 'area.*')"
         )
     parameters = header.get("parameters")
     if not (parameters is None or isinstance(parameters, dict)):

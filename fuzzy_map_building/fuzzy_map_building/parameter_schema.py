@@ -28,6 +28,7 @@ __all__ = [
     "describe",
     "flatten",
     "from_mapping",
+    "kind_of",
     "markdown_table",
     "parameter",
     "suggest",
@@ -39,6 +40,15 @@ _KEY = "parameter"
 #: Most elements of a list and characters of a text: they bound what a request can set.
 _MAX_ELEMENTS = 1024
 _MAX_TEXT = 1024
+#: Most known names that a message lists.
+_MOST_NAMES = 25
+_WORDS = {float: "a number", int: "a whole number", bool: "true or false", str: "a text"}
+_LISTS = {
+    float: "a list of numbers",
+    int: "a list of whole numbers",
+    bool: "a list of true or false",
+    str: "a list of texts",
+}
 
 
 class ParameterError(ValueError):
@@ -117,7 +127,16 @@ def suggest(name: str, known: typing.Iterable[str], *, told: bool = False) -> st
     close = difflib.get_close_matches(name[:100], names, n=1, cutoff=0.6)
     if close:
         return f"; did you mean '{close[0]}'?"
-    return "" if told else f"; known names: {', '.join(names)}"
+    if told:
+        return ""
+    if len(names) > _MOST_NAMES:
+        return f"; none of the {len(names)} known names is like it"
+    return f"; known names: {', '.join(names)}"
+
+
+def kind_of(info: ParameterInfo) -> str:
+    """Return in words what the value of a parameter has to be."""
+    return _LISTS[info.type] if info.is_sequence else _WORDS[info.type]
 
 
 @functools.cache
@@ -193,10 +212,7 @@ def _checked_scalar(info: ParameterInfo, value: Any) -> Any:
     elif info.type is bool and type(value).__name__ in ("bool", "bool_"):
         value = bool(value)
     elif not (info.type is str and isinstance(value, str)):
-        raise ParameterError(
-            f"{name} must be of type {info.type.__name__}, "
-            f"got {shown(value)} of type {type(value).__name__}"
-        )
+        raise ParameterError(f"{name} must be {_WORDS[info.type]}, got {shown(value)}")
     elif len(value) > _MAX_TEXT:
         raise ParameterError(f"{name} is a text of more than {_MAX_TEXT} characters")
     unit = f" {info.unit}" if info.unit else ""

@@ -23,7 +23,7 @@ from fuzzy_map_building.evidence_params import (
     FusionParameters,
     InfraredEvidenceParameters,
 )
-from fuzzy_map_building.grid import GridGeometry
+from fuzzy_map_building.grid import COARSEST, FINEST, GridGeometry
 from fuzzy_map_building.parameter_schema import (
     ParameterError,
     from_mapping,
@@ -75,8 +75,8 @@ class AreaParameters:
         0.1,
         doc="side of a cell",
         unit="m",
-        minimum=1e-3,
-        maximum=100.0,
+        minimum=FINEST,
+        maximum=COARSEST,
         source=_LAB,
         read_only=True,
     )

@@ -204,7 +204,7 @@ class Planner:
         p = self._parameters
         query = Query(
             self.geometry.cell_of(*request.start),
-            self._goal_cells(request.goal, request.tolerance),
+            self._goal_cells(request.goal, request.tolerance, request.start),
             self._cells(request.barred),
             request.cost,
             request.adjacency,
@@ -279,7 +279,9 @@ class Planner:
                 return f"; the map by itself has a path, which {what} close"
         return ""
 
-    def _goal_cells(self, goal: tuple[float, float], tolerance: float) -> NDArray[np.int64]:
+    def _goal_cells(
+        self, goal: tuple[float, float], tolerance: float, start: tuple[float, float]
+    ) -> NDArray[np.int64]:
         """Return the cells where a path may end, nearest first, shape (n, 2)."""
         geometry = self.geometry
         window = geometry.window(*goal, tolerance + geometry.resolution)
@@ -288,7 +290,11 @@ class Planner:
         row, column = geometry.cell_of(*goal)
         # A millionth of a cell: centres at exactly the tolerance count.
         within = distance <= tolerance + 1e-6 * geometry.resolution
-        within[row - window.row0, column - window.col0] = True
+        own = row - window.row0, column - window.col0
+        within[own] = True
+        # On a border of cells several are as near; a robot that is in the goal's cell stays there.
+        if geometry.cell_of(*start) == (row, column):
+            distance[own] = 0.0
         cells = np.argwhere(within)
         # Stable: equal distances keep the order of rows, then columns.
         order = np.argsort(distance[within].round(9), kind="stable")

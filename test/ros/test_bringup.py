@@ -167,6 +167,28 @@ def test_a_file_that_all_nodes_would_refuse_is_refused_once(
     assert "/src/" not in told[0]  # where it came up in the sources of others
 
 
+def test_what_nodes_would_refuse_is_told_before_any_is_started(
+    start_node: Callable[..., NodeProcess], tmp_path: Path
+) -> None:
+    file = tmp_path / "robot.yaml"
+    file.write_text(
+        "/**/fuzzy_motion: {ros__parameters: {beta: 7.0}}\n"
+        "/**/fuzzy_mapper: {ros__parameters: {sonar.mount_radius: far}}\n"
+    )
+    process = start_node("bringup", arguments=["--respawn", "--params-file", str(file)])
+    started: dict[str, int] = {}
+    while process.running:
+        started |= children(process.pid)
+    assert process.wait(60.0) == 2
+    assert not started
+    assert process.output().splitlines() == [
+        "fuzzy_mapper: cannot start: parameter 'sonar.mount_radius' must be a number, got 'far' "
+        f"(--params-file {file}, section '/**/fuzzy_mapper')",
+        "fuzzy_motion: cannot start: parameter 'beta' must be at most 1.0, got 7.0 "
+        f"(--params-file {file}, section '/**/fuzzy_motion')",
+    ]
+
+
 def test_each_node_gets_the_presets_that_it_knows(tmp_path: Path) -> None:
     file = tmp_path / "a.yaml"
     file.touch()

@@ -223,9 +223,11 @@ def test_a_parameter_that_a_node_refuses_ends_it(
     params = tmp_path / "params.yaml"
     params.write_text("fuzzy_planner: {ros__parameters: {epsilom: 0.1}}")
     process = demo("--world", room, "--params-file", params)
-    assert process.wait(LONG) == 3
-    assert "planner ended with exit code 2" in process.output()
-    assert "did you mean 'epsilon'?" in process.output()
+    assert process.wait(LONG) == 2
+    assert process.output() == (
+        "fuzzy_planner: cannot start: unknown parameter 'epsilom'; did you mean 'epsilon'? "
+        f"(--params-file {params}, section '/fuzzy_planner')\n"
+    )
     assert_nothing_left(tmp_path)
 
 

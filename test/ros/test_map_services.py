@@ -19,6 +19,7 @@ from fuzzy_map_building.ros import names
 from fuzzy_map_building.types import Pose2
 from ros.fake_robot import FakeRobot
 from ros.harness import NodeProcess, Probe, wait_until
+from ros.stack import Status
 
 #: Files take as long as those of a large map do, until the folder has a file `go_on`.
 SLOW = """
@@ -27,6 +28,8 @@ from fuzzy_map_building.ros import map_services
 def slow(work):
     def wait(file, what):
         pathlib.Path(str(file) + ".begun").touch()
+        if file.name == "full":
+            raise OSError(28, "No space left on device", "full")
         while not (pathlib.Path(file).parent / "go_on").exists():
             time.sleep(0.01)
         return work(file, what)
@@ -40,6 +43,7 @@ def test_the_mapper_goes_on_while_a_file_is_written_and_read(
     probe: Probe, start_node: Callable[..., NodeProcess], tmp_path: Path
 ) -> None:
     patient = dict.fromkeys(["turret.timeout", "perception.timeout"], 60.0)
+    status = Status(probe, names.MAPPER_NODE)
     start_node("mapper", parameters={"map_folder": str(tmp_path), **patient}, patch=SLOW)
     robot = FakeRobot(probe, Pose2(3.0, 3.0), lambda sensor, angle: 1.0 + 0.1 * sensor)
     client = probe.action_client(BuildMap, names.BUILD_MAP)
@@ -75,7 +79,7 @@ def test_the_mapper_goes_on_while_a_file_is_written_and_read(
     assert not saving.done()
     assert not reset.done()  # one after the other
     told = let_go(saving, reset)
-    assert told == [f"1 perceptions saved to {tmp_path / 'one'}", "the map is empty"]
+    assert told == [f"1 perception saved to {tmp_path / 'one'}", "the map is empty"]
     saved = load_map(tmp_path / "one")
     assert saved.perceptions == saved.count.max() == 1
 
@@ -83,7 +87,7 @@ def test_the_mapper_goes_on_while_a_file_is_written_and_read(
     assert perceive() == 2
     loading = ask(names.LOAD_MAP, "one")
     assert perceive() == 3  # of the map that the loaded one replaces
-    assert let_go(loading) == [f"1 perceptions loaded from {tmp_path / 'one'}"]
+    assert let_go(loading) == [f"1 perception loaded from {tmp_path / 'one'}"]
     again = ask(names.SAVE_MAP, "again")
     let_go(again)
     loaded = load_map(tmp_path / "again")
@@ -95,3 +99,19 @@ def test_the_mapper_goes_on_while_a_file_is_written_and_read(
     assert "no map file" in let_go(ask(names.LOAD_MAP, "damaged"))[0]
     assert perceive() == 3
     robot.close()
+
+    # Each kind of refusal in words, counted under a word of its own.
+    (tmp_path / "go_on").touch()
+    for path, word, told in (
+        ("damaged", "unusable_file", "it is no map file"),
+        ("~/one", "bad_name", "does not stand for a home"),
+        ("absent", "bad_name", "there is no file"),
+        ("full", "file_system", "No space left on device"),
+    ):
+        service = names.SAVE_MAP if path == "full" else names.LOAD_MAP
+        answer = probe.call(MapFile, service, MapFile.Request(path=path))
+        assert not answer.success
+        assert told in answer.message
+        assert "Errno" not in answer.message
+        key = f"rejected.{service}.{word}"
+        status.wait(lambda values, key=key: key in values, key)

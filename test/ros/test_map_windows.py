@@ -10,6 +10,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticStatus
 from fuzzy_msgs.msg import OccupancyGridUpdate
 from nav_msgs.msg import OccupancyGrid
 from nav_msgs.srv import GetMap
@@ -32,6 +33,9 @@ TOPICS = (names.PLANNING_MAP, names.MOTION_MAP, names.MAP)
 UNKNOWN = {names.MOTION_MAP: 100, names.PLANNING_MAP: 0, names.MAP: -1}
 #: Where the planner's map may be opened, and where nothing is.
 WALL, NOWHERE = Window(8, 16, 20, 21), Window(0, 0, 0, 0)
+
+
+HASTY = "from fuzzy_navigation.ros import followed_map\nfollowed_map.PATIENCE = 0.1\n"
 
 
 def stamp_of(seconds: float) -> Time:
@@ -116,7 +120,8 @@ def test_the_fields_are_those_of_map_msgs() -> None:
 
 @pytest.fixture
 def planner(probe: Probe, start_node: Callable[..., NodeProcess]) -> Driver:
-    return Driver(probe, start_node("planner"))
+    """A planner that lets a map be behind for a moment only before it warns."""
+    return Driver(probe, start_node("planner", patch=HASTY))
 
 
 class Somebody:
@@ -189,8 +194,12 @@ def test_the_planner_follows_windows_and_falls_back_to_the_whole_map(
         {"rejected.planning_map_updates.unfit": 1, "windows.taken": 1, "windows.waiting": 1},
     )
     mapper.check(2.0, 30)
+    warned = planner.diagnostics.wait_for(lambda m: " behind: " in m.status[0].message)
+    assert warned.status[0].level == DiagnosticStatus.WARN
     mapper.give(4.0, 100)
     mapper.check(4.0, 100)
+    planner.diagnostics.clear()
+    planner.diagnostics.wait_for(lambda m: m.status[0].message == "ok")
     mapper.send(5.0, 0)
     mapper.check(5.0, 0)
     # A whole map that is older than the windows'.

@@ -144,7 +144,7 @@ def test_what_it_cannot_start_with_is_one_line(start_node: Start) -> None:
         ({"world": "missing/file.yaml"}, "missing/file.yaml"),
         ({"rat": 1.0}, "did you mean 'rate'?"),
         ({"rate": -1.0}, "'rate' must be at least 0"),
-        ({"seed": "one"}, "'seed' must be of type int"),
+        ({"seed": "one"}, "'seed' must be a whole number"),
         ({"start.override": True, "start.x": 3.5, "start.y": 1.0}, "cannot start at (3.5, 1)"),
         ({"start.override": True, "start.x": 99.0}, "the start (99, 0) m lies outside the area"),
     ]

@@ -21,7 +21,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
-from fuzzy_map_building.map_folder import MapFolder
+from fuzzy_map_building.map_folder import MapFolder, MapNameError
 from fuzzy_map_building.map_grids import MapGrids
 from fuzzy_map_building.map_io import load_map, save_map
 from fuzzy_map_building.map_state import MapState
@@ -29,6 +29,7 @@ from fuzzy_map_building.mapper import FuzzyMapper
 from fuzzy_map_building.ros import names, qos
 from fuzzy_map_building.ros.diagnostics import Diagnostics
 from fuzzy_map_building.ros.snapshots import SnapshotWriter
+from fuzzy_map_building.wording import counted, plain_reason
 
 __all__ = ["MapServices"]
 
@@ -108,7 +109,7 @@ class MapServices:
         except _FAILURES as error:
             return self._refuse(names.SAVE_MAP, response, error)
         response.success = True
-        response.message = f"{perceptions} perceptions saved to {file}"
+        response.message = f"{counted(perceptions, 'perception')} saved to {file}"
         return response
 
     async def _on_load(
@@ -132,7 +133,7 @@ class MapServices:
         self._mapper().adopt(state)
         self._replaced(grids if same else None)
         response.success = True
-        response.message = f"{state.perceptions} perceptions loaded from {file}"
+        response.message = f"{counted(state.perceptions, 'perception')} loaded from {file}"
         return response
 
     async def _snapshot_written(self) -> None:
@@ -161,8 +162,18 @@ class MapServices:
     def _refuse(
         self, service: str, response: MapFile.Response, error: Exception
     ) -> MapFile.Response:
-        reason = str(error) or type(error).__name__
-        self._diagnostics.reject(service, type(error).__name__, reason)
         response.success = False
-        response.message = reason
+        response.message = plain_reason(error)
+        self._diagnostics.reject(service, _kind(error), response.message)
         return response
+
+
+def _kind(error: Exception) -> str:
+    """Return the word that a refusal is counted under."""
+    if isinstance(error, MapNameError):
+        return "bad_name"
+    if isinstance(error, MemoryError):
+        return "no_memory"
+    if isinstance(error, OSError) or isinstance(error.__cause__, OSError):
+        return "file_system"
+    return "unusable_file"

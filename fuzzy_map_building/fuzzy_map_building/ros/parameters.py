@@ -40,6 +40,7 @@ from fuzzy_map_building.parameter_schema import (
     describe,
     flatten,
     from_mapping,
+    kind_of,
     suggest,
 )
 from fuzzy_map_building.plain_yaml import shown
@@ -125,7 +126,7 @@ class NodeParameters(Generic[T]):
         kind = self._converted(parameter).type_
         if kind is _type_of(info):
             return ""
-        wanted = f"{'a list of' if info.is_sequence else 'of type'} {info.type.__name__}"
+        wanted = kind_of(info)
         if kind is Parameter.Type.NOT_SET:
             return f"parameter '{parameter.name}' cannot be removed; it must be {wanted}"
         return f"parameter '{parameter.name}' must be {wanted}, got {shown(parameter.value)}"

@@ -21,6 +21,7 @@ from fuzzy_map_building.map_io import MapFileError
 from fuzzy_map_building.mapper import FuzzyMapper
 from fuzzy_map_building.params import MapperParameters
 from fuzzy_map_building.snapshot import Snapshot, rules_of
+from fuzzy_map_building.wording import counted
 
 __all__ = ["SnapshotWriter"]
 
@@ -93,7 +94,7 @@ class SnapshotWriter:
         if self._snapshot is None or not self._snapshot.restore(mapper):
             return ""
         self.saved = mapper.perceptions
-        return f"went on from {mapper.perceptions} perceptions in {self._snapshot.path}"
+        return f"went on from {counted(mapper.perceptions, 'perception')} in {self._snapshot.path}"
 
     def changed(self, window: Window) -> None:
         """Take note that the cells of a window may have changed."""

@@ -28,6 +28,7 @@ from fuzzy_map_building.ros.readiness import ReadyWatch, tell_ready
 from fuzzy_map_building.ros.run import EXIT_REFUSED, check_arguments, stop_on_signals
 from fuzzy_navigation.concurrent_mission import SETTINGS
 from fuzzy_navigation.params import MOTION_PRESETS, PLANNER_PRESETS
+from fuzzy_navigation.ros.declarations import DECLARATIONS, refusals
 from fuzzy_navigation.ros.processes import (
     CLEAN_ENDS,
     Ended,
@@ -113,8 +114,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        0 if all nodes ran until the signal and then ended cleanly; 2 if the command line
-        was refused; else the exit code of the node that failed, 1 if a signal killed it.
+        0 if all nodes ran until the signal and then ended cleanly; 2 if the command line or
+        a node's parameters were refused, before any node was started; else the exit code of
+        the node that failed, 1 if a signal killed it.
     """
     given = list(sys.argv[1:] if arguments is None else arguments)
     split = given.index(_ROS_ARGS) if _ROS_ARGS in given else len(given)
@@ -139,6 +141,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         except ValueError as error:
             _say(str(error))
             return EXIT_REFUSED
+        refused = refusals({name: _ros_arguments(c) for name, c in commands.items()}, DECLARATIONS)
+        if refused:
+            print("\n".join(refused), file=sys.stderr, flush=True)
+            return EXIT_REFUSED
         group = stack.enter_context(ProcessGroup())
         ready = stack.enter_context(ReadyWatch(commands))
         for name, command in commands.items():
@@ -158,6 +164,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
             _say(f"{first}; stopping the others")
         group.stop()
     return _exit_code(first, group.ended)
+
+
+def _ros_arguments(command: Sequence[str]) -> Sequence[str]:
+    return command[command.index(_ROS_ARGS) + 1 :] if _ROS_ARGS in command else []
 
 
 def _assignment(name: str, value: object) -> str:

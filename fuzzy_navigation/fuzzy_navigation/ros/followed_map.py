@@ -4,9 +4,10 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 from builtin_interfaces.msg import Time
 from fuzzy_msgs.msg import OccupancyGridUpdate
@@ -16,6 +17,7 @@ from rclpy.node import Node
 from fuzzy_map_building.grid import GridGeometry, Window
 from fuzzy_map_building.map_follower import MapFollower, MapWindow
 from fuzzy_map_building.occupancy import Hundredths
+from fuzzy_map_building.params import PublishingParameters
 from fuzzy_map_building.ros import names, qos
 from fuzzy_map_building.ros.clock import (
     known_seconds,
@@ -26,10 +28,15 @@ from fuzzy_map_building.ros.clock import (
 from fuzzy_map_building.ros.conversions import Refused
 from fuzzy_map_building.ros.diagnostics import Diagnostics
 from fuzzy_map_building.ros.map_conversions import risk_from_msg, window_from_msg
+from fuzzy_map_building.wording import counted
 from fuzzy_navigation.control_tick import Untimely
 from fuzzy_navigation.map_times import MapTimes
 
 __all__ = ["FollowedMap", "NewMap", "NewWindow"]
+
+#: Time for which a map may lack what was sent of it before that is a problem [s of wall time]:
+#: within half of it a mapper of the usual parameters sends the whole map.
+PATIENCE: Final = 2.0 * PublishingParameters().period
 
 
 @dataclass(frozen=True)
@@ -116,6 +123,9 @@ class FollowedMap:
         """Forget all that has come."""
         self._times = MapTimes(self._what)
         self._follower = MapFollower()
+        # Since when the map lacks windows, and since when and why something of it was refused.
+        self._behind: float | None = None
+        self._refused: tuple[float, str] | None = None
 
     def on_map(self, message: OccupancyGrid) -> None:
         """Take a whole map, unless windows have made a newer one of it already."""
@@ -132,6 +142,8 @@ class FollowedMap:
             return
         self._take_map(NewMap(geometry, risk, stamp))
         self._take(self._follower.take_map(at, geometry))
+        self._refused = None
+        self._look()
 
     def on_window(self, message: OccupancyGridUpdate, info: Mapping[str, Any]) -> None:
         """Take a window if it goes on from the map that is known, else have it wait.
@@ -152,6 +164,7 @@ class FollowedMap:
             self._refuse(names.updates_of(self._topic), refusal)
             return
         self._take(ready)
+        self._look()
 
     def values(self) -> Mapping[str, object]:
         """Return what the node's diagnostics tell of the windows."""
@@ -163,6 +176,33 @@ class FollowedMap:
             "windows.settled": follower.settled,
         }
 
+    def problem(self) -> str:
+        """Return what the map lacks for longer than `PATIENCE`, and what to do; empty: nothing."""
+        now, follower = time.monotonic(), self._follower
+        if self._refused is not None and now - self._refused[0] > PATIENCE:
+            since, why = self._refused
+            return (
+                f"{self._what} may be behind: {now - since:.0f} s ago something of it was refused "
+                f"({why}), and no whole map has come since; see to whoever sent that, or have the "
+                "mapper send its map anew, by a perception or 'reset_map'"
+            )
+        if self._behind is not None and now - self._behind > PATIENCE:
+            updates = names.updates_of(self._topic)
+            return (
+                f"{self._what} has been behind for {now - self._behind:.0f} s: by '{updates}' "
+                f"{counted(follower.missed, 'window')} missed so far and {follower.waiting} "
+                f"waiting for a whole map by '{self._topic}', which does not come; does the "
+                "network lose it, or is the mapper's 'publishing.period' that long?"
+            )
+        return ""
+
+    def _look(self) -> None:
+        """Note since when the map lacks windows."""
+        if not self._follower.behind:
+            self._behind = None
+        elif self._behind is None:
+            self._behind = time.monotonic()
+
     def _take(self, windows: list[MapWindow]) -> None:
         for each in windows:
             stamp = stamp_from_nanoseconds(each.stamp)
@@ -172,3 +212,5 @@ class FollowedMap:
         told = isinstance(refusal, (Refused, Untimely))
         reason = refusal.reason if told else "unfit"  # type: ignore[attr-defined]
         self._diagnostics.reject(topic, reason, str(refusal))
+        if self._refused is None:
+            self._refused = time.monotonic(), str(refusal)

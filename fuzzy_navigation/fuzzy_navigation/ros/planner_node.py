@@ -198,8 +198,9 @@ class PlannerNode(Node):
         return values
 
     def _problem(self) -> str:
-        if self._map_stamp is not None:
-            return ""
+        behind = self._followed.problem()
+        if self._map_stamp is not None or behind:
+            return behind
         return f"no map has come by '{names.PLANNING_MAP}' yet: is the mapper running?"
 
 

@@ -18,11 +18,12 @@ from typing import Final
 
 from fuzzy_map_building.parameter_schema import describe
 from fuzzy_map_building.params import MapperParameters
-from fuzzy_map_building.ros.parameters import PRESET
+from fuzzy_map_building.ros.parameters import PRESET, declare_parameters
 from fuzzy_map_building.ros.run import EXIT_REFUSED, StopRequest, stop_on_signals
 from fuzzy_navigation.concurrent_mission import SETTINGS
 from fuzzy_navigation.mission_types import LogEntry, Phase
 from fuzzy_navigation.params import MotionParameters, PlannerParameters
+from fuzzy_navigation.ros.declarations import DECLARATIONS, refusals
 from fuzzy_navigation.ros.processes import (
     DISCOVERY_RANGE,
     ProcessGroup,
@@ -35,7 +36,7 @@ from nomad_sim.ros.demo_text import print_end, print_perception, print_start
 from nomad_sim.ros.domain import reserved_domain
 from nomad_sim.ros.mission_record import MissionRecord
 from nomad_sim.ros.mission_watch import spinning
-from nomad_sim.ros.params import SimulationParameters
+from nomad_sim.ros.params import SimulationParameters, simulation_parameters
 
 __all__ = ["main"]
 
@@ -56,6 +57,13 @@ PARAMETERS: Final = {
     "planner": PlannerParameters,
     "motion": MotionParameters,
 }
+_DECLARATIONS: Final = {
+    **DECLARATIONS,
+    "sim": (
+        NODES["sim"],
+        lambda node: declare_parameters(node, lambda _, given: simulation_parameters(given)),
+    ),
+}
 #: Longest wait for the nodes [s]: the first start on a machine compiles loops in each of them.
 START_TIMEOUT: Final = 120.0
 #: Longest wait for the simulator's last word on contacts, and the mission's on perceptions [s].
@@ -66,6 +74,10 @@ LOG_LINES: Final = 5
 
 class NodeFailedError(RuntimeError):
     """A node could not start, or ended before its time."""
+
+
+class RefusedError(ValueError):
+    """A node would refuse its parameters."""
 
 
 class StoppedError(RuntimeError):
@@ -85,6 +97,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     with stop_on_signals() as stop:
         try:
             return _demonstrate(options, stop)
+        except RefusedError as error:
+            print(error, file=sys.stderr)
+            return EXIT_REFUSED
         except NodeFailedError as error:
             print(f"demo: {error}", file=sys.stderr)
             return EXIT_NODE_FAILED
@@ -114,6 +129,9 @@ def _run(options: DemoOptions, stop: StopRequest) -> tuple[MissionRecord, str, d
         domain = stack.enter_context(reserved_domain(options.domain))
         environment = child_environment(ROS_DOMAIN_ID=str(domain), ROS_LOG_DIR=str(logs.resolve()))
         os.environ[DISCOVERY_RANGE] = environment[DISCOVERY_RANGE]
+        refused = refusals(_arguments(options), _DECLARATIONS, domain)
+        if refused:
+            raise RefusedError("\n".join(refused))
         print_start(options, domain, environment[DISCOVERY_RANGE])
         began = time.monotonic()
         nodes = _Nodes(stack.enter_context(ProcessGroup()), stop, logs)

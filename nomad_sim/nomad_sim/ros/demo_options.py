@@ -19,6 +19,7 @@ from fuzzy_map_building.types import Pose2
 from fuzzy_navigation.params import motion_parameters, planner_parameters
 from nomad_sim.ground_truth import reachable
 from nomad_sim.output_folder import made_folder
+from nomad_sim.ros.domain import DOMAINS, RESERVED
 from nomad_sim.ros.params import simulation_parameters
 from nomad_sim.simulator import Simulator
 from nomad_sim.world import World
@@ -35,9 +36,6 @@ NODES: Final[Mapping[str, str]] = {
 }
 #: Simulated seconds a second: what two cores keep up with in lockstep.
 DEFAULT_RATE: Final = 8.0
-
-#: Domains whose ports all fit below those that the system hands out.
-_DOMAINS: Final = range(102)
 
 _EPILOG: Final = """\
 exit codes:
@@ -201,8 +199,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--domain",
         type=_domain,
-        help=f"ROS_DOMAIN_ID from {_DOMAINS[0]} to {_DOMAINS[-1]}, e.g. to watch with RViz "
-        "(default: one that nobody uses)",
+        help=f"ROS_DOMAIN_ID from {DOMAINS[0]} to {DOMAINS[-1]}, e.g. to watch with RViz "
+        f"(default: one from {RESERVED[0]} to {RESERVED[-1]} that nobody uses)",
     )
     return parser
 
@@ -223,10 +221,8 @@ def _positive(text: str) -> float:
 
 def _domain(text: str) -> int:
     value = int(text)
-    if value not in _DOMAINS:
-        raise argparse.ArgumentTypeError(
-            f"must be from {_DOMAINS[0]} to {_DOMAINS[-1]}, got {text}"
-        )
+    if value not in DOMAINS:
+        raise argparse.ArgumentTypeError(f"must be from {DOMAINS[0]} to {DOMAINS[-1]}, got {text}")
     return value
 
 

@@ -10,10 +10,12 @@ import socket
 from collections.abc import Iterator
 from typing import Final
 
-__all__ = ["DOMAINS", "reserved_domain"]
+__all__ = ["DOMAINS", "RESERVED", "reserved_domain"]
 
-#: Domains to choose from; 0 is where everybody is who chose none.
-DOMAINS: Final = range(1, 101)
+#: Domains that there are: the ports of all fit below those that the system hands out.
+DOMAINS: Final = range(102)
+#: Those that one is reserved of; 0 is where everybody is who chose none.
+RESERVED: Final = DOMAINS[1:]
 
 # ROS 2's own domain_coordinator holds the TCP port of this number plus the domain while a
 # test uses the domain. Holding the same port keeps clear of those as well.
@@ -46,14 +48,14 @@ def reserved_domain(wanted: int | None = None) -> Iterator[int]:
         yield wanted
         return
     # Everybody begins to look at a place of his own.
-    first = os.getpid() % len(DOMAINS)
-    for domain in [*DOMAINS[first:], *DOMAINS[:first]]:
+    first = os.getpid() % len(RESERVED)
+    for domain in [*RESERVED[first:], *RESERVED[:first]]:
         with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as reservation:
             if _taken(reservation, _PORT_BASE + domain) or _inhabited(domain):
                 continue
             yield domain
             return
-    raise OSError(f"all ROS domains from {DOMAINS[0]} to {DOMAINS[-1]} are in use")
+    raise OSError(f"all ROS domains from {RESERVED[0]} to {RESERVED[-1]} are in use")
 
 
 def _taken(sock: socket.socket, port: int) -> bool:

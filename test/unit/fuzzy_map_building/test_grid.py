@@ -7,7 +7,15 @@ import math
 import numpy as np
 import pytest
 
-from fuzzy_map_building.grid import MAX_CELLS, GridGeometry, Window, cells_between, centre_along
+from fuzzy_map_building.grid import (
+    COARSEST,
+    FINEST,
+    MAX_CELLS,
+    GridGeometry,
+    Window,
+    cells_between,
+    centre_along,
+)
 
 GRID = GridGeometry(7, 5, 0.25, (-1.0, 2.0))
 
@@ -39,9 +47,12 @@ GRID = GridGeometry(7, 5, 0.25, (-1.0, 2.0))
         ((5, 5, 10**400), "resolution"),
         ((5, 5, 0.1, (1e308, 0.0)), "too far away"),
         ((5, 5, 0.1, (0.0, -1e308)), "too far away"),
-        # Each on its own is fine; there the floats are 1.5e-8 m apart.
-        ((5, 5, 1e-6, (9e7, 0.0)), "too far away"),
-        ((10**7, 1, 100.0), "too far away"),
+        ((5, 5, 0.99e-3), r"resolution must be from 0.001 to 10 m .*, got 0.00099 m"),
+        ((5, 5, 10.1), r"resolution must be from 0.001 to 10 m .*, got 10.1 m"),
+        ((5, 5, 1e7), "resolution must be from"),
+        # Each on its own is fine.
+        ((5, 5, 0.1, (1e8 - 0.4, 0.0)), "too far away"),
+        ((10**7 + 1, 1, 10.0), "too far away"),
     ],
 )
 def test_nonsense_is_refused_by_name(arguments: tuple, message: str) -> None:
@@ -64,8 +75,8 @@ def test_from_size_covers_the_area_and_no_more(size: float, resolution: float, c
 
 
 def test_far_cells_are_told_apart() -> None:
-    # UTM coordinates, and the farthest that cells of a micrometre may lie.
-    for resolution, far in ((0.1, 9.9e6), (1e-6, 1e6)):
+    # UTM coordinates, and the farthest that the finest and the coarsest cells may lie.
+    for resolution, far in ((0.1, 9.9e6), (FINEST, 9.9e7), (COARSEST, 9.9e7)):
         grid = GridGeometry(50, 40, resolution, (far, -far))
         for row in range(40):
             for column in range(50):

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from fuzzy_map_building.map_folder import MapFolder
+from fuzzy_map_building.map_folder import MapFolder, MapNameError
+from fuzzy_map_building.map_io import atomic_write
 
 
 @pytest.fixture
@@ -66,7 +67,11 @@ def test_names_inside_are_files_inside(folder: MapFolder, tmp_path: Path) -> Non
         ("a\nb", "is no file name"),
         ("a\x1b[2J", "is no file name"),
         ("a\ud800", "is no file name"),
-        ("x" * 100_000, "is no file name"),
+        ("x" * 100_000, "too long"),
+        ("x" * 256, "too long, 255 bytes are allowed of each part"),
+        ("ä" * 128, "too long"),
+        ("~/a", "'~' does not stand for a home here"),
+        ("~", "'~' does not stand for a home here"),
     ],
 )
 def test_no_other_name_is_looked_at(
@@ -77,6 +82,20 @@ def test_no_other_name_is_looked_at(
             of(name)
         assert len(str(caught.value)) < 400 + len(str(tmp_path))
     assert (tmp_path / "secret").read_text() == "do not touch"
+
+
+def test_folders_inside_are_not_made(folder: MapFolder, tmp_path: Path) -> None:
+    maps = tmp_path / "maps"
+    assert folder.file_to_write("floors/2.map") == maps / "floors" / "2.map"
+    with pytest.raises(MapNameError, match=f"there is no folder '{maps}/absent'.*make it first"):
+        folder.file_to_write("absent/a")
+    with pytest.raises(MapNameError, match="no folder"):
+        folder.file_to_write("here.map/a")
+    assert not (maps / "absent").exists()
+    longest = "ä" * 127
+    with atomic_write(folder.file_to_write(longest)) as file:
+        file.write(b"x")
+    assert (maps / longest).read_bytes() == b"x"
 
 
 def test_the_folder_itself_may_be_reached_by_a_link(tmp_path: Path) -> None:

@@ -301,11 +301,26 @@ def test_a_window_that_does_not_fit_is_refused_and_leaves_a_gap(wrong: MapWindow
     follower = MapFollower()
     follower.take_map(5, GEOMETRY)
     assert follower.take_window(window(1, 6))
-    with pytest.raises(ValueError, match="no part of a map of 5 rows, 6 columns"):
+    with pytest.raises(ValueError, match="no part of the map of 5 rows and 6 columns"):
         follower.take_window(wrong)
     assert follower.waiting == 0
+    assert not follower.behind
     assert follower.take_window(window(3, 8)) == []
     assert follower.waiting == 1
+    assert follower.behind
+    follower.take_map(8, GEOMETRY)
+    assert not follower.behind
+
+
+def test_a_map_that_is_another_one_is_behind_until_it_comes_whole() -> None:
+    follower = MapFollower()
+    follower.take_window(window(1, 6))
+    assert not follower.behind  # there is none yet
+    follower.take_map(6, GEOMETRY)
+    follower.take_window(window(2, 9, NOWHERE))
+    assert (follower.behind, follower.waiting) == (True, 0)
+    follower.take_map(9, GEOMETRY)
+    assert not follower.behind
 
 
 def test_one_that_waits_and_does_not_fit_its_map_is_dropped() -> None:

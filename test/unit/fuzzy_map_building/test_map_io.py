@@ -282,7 +282,8 @@ def test_the_arrays_of_another_grid_are_not_read(tmp_path: Path) -> None:
     grid = np.zeros(geometry.shape)
     save_map(tmp_path / "a.map", MapState(geometry, grid, grid, grid.astype(np.int32), 0))
     load_map(tmp_path / "a.map", geometry)
-    assert peak_of_refusing(tmp_path / "a.map", "it is of the grid .*1000") < 200_000
+    words = "it is a map of 1000 x 1000 cells of 0.1 m .*, the mapper's is one of 6 x 4 cells"
+    assert peak_of_refusing(tmp_path / "a.map", words) < 200_000
 
 
 def test_no_code_comes_along(tmp_path: Path) -> None:

@@ -164,6 +164,20 @@ def test_the_robots_size_keeps_it_from_walls_and_borders():
         planner.augmented_risk[0, 0] = 0.0
 
 
+def test_where_the_robot_stands_at_its_goal_the_path_is_its_cell():
+    # Corners and borders of cells, which are as near to four or two centres, and places within.
+    planner = planner_for(np.zeros((30, 40)))
+    for row in range(2, 28, 5):
+        for column in range(2, 38, 3):
+            for part in ((0.0, 0.0), (0.0, 0.5), (0.5, 0.0), (0.3, 0.8)):
+                place = -1.0 + 0.1 * (column + part[0]), 2.0 + 0.1 * (row + part[1])
+                for tolerance in (1e-6, 0.3):
+                    result = planner.plan(place, place, tolerance=tolerance)
+                    assert len(result.path) == 1
+                    pose = result.poses[0]
+                    assert max(abs(pose.x - place[0]), abs(pose.y - place[1])) <= 0.05 + 1e-9
+
+
 def test_the_nearest_admissible_cell_is_the_goal():
     risk = np.zeros((30, 40))
     risk[13:18, 29:34] = 1.0

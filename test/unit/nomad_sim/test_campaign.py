@@ -223,7 +223,7 @@ def test_a_fresh_first_seed_is_said(small: Path, capsys: pytest.CaptureFixture[s
         ("--world lab --preset orolo1998", "did you mean 'oriolo1998'?"),
         ("--world lab --set mapper.evidence.kempty=1", "did you mean 'evidence.k_empty'?"),
         ("--world lab --set mappr.evidence.k_empty=1", "did you mean 'mapper'?"),
-        ("--world lab --set planner.epsilon=much", "'epsilon' must be of type float"),
+        ("--world lab --set planner.epsilon=much", "'epsilon' must be a number"),
         ("--world lab --set motion.clearance.rule=strickt", "did you mean 'strict'?"),
         ("--world lab --set simulator.seed=3", "--first-seed"),
         ("--world lab --critical-angle glas=3", "did you mean 'glass'?"),

@@ -14,7 +14,7 @@ from nomad_sim.ros.domain import reserved_domain
 def test_two_at_once_get_different_domains() -> None:
     with reserved_domain() as first, reserved_domain() as second:
         assert first != second
-        assert {first, second} <= set(domain.DOMAINS)
+        assert {first, second} <= set(domain.RESERVED)
 
 
 def test_a_chosen_domain_is_used() -> None:
@@ -27,7 +27,7 @@ def test_domains_of_tests_and_of_running_nodes_are_left_alone(
 ) -> None:
     with reserved_domain() as free, reserved_domain() as other:
         pass
-    monkeypatch.setattr(domain, "DOMAINS", (free, other))
+    monkeypatch.setattr(domain, "RESERVED", (free, other))
     with domain_id(lambda: free), reserved_domain() as found:
         assert found == other
     # What a participant of DDS holds.
