@@ -232,9 +232,8 @@ def load_map_and_parameters(
         OverflowError,
         ValueError,
     ) as error:
-        raise MapFileError(f"cannot load '{path}': it is no map file or damaged ({error})") from (
-            error
-        )
+        # What they say is for who writes such files.
+        raise MapFileError(f"cannot load '{path}': it is no map file, or damaged") from error
 
 
 def _checked_path(path: str | Path) -> Path:
@@ -285,7 +284,10 @@ def _read(
         name: _array(archive, members[f"{name}.npy"], geometry, np.dtype(kind))
         for name, kind in _ARRAYS.items()
     }
-    state = MapState(geometry, **arrays, perceptions=header.get("perceptions"))
+    try:
+        state = MapState(geometry, **arrays, perceptions=header.get("perceptions"))
+    except ValueError as error:
+        raise MapFileError(f"it holds what no map has: {error}") from error
     return state, parameters
 
 
@@ -302,7 +304,10 @@ def _geometry(header: Any) -> GridGeometry:
     ):
         raise MapFileError("its header does not describe a grid")
     width, height, resolution = values
-    return GridGeometry(width, height, resolution, tuple(origin))  # type: ignore[arg-type]
+    try:
+        return GridGeometry(width, height, resolution, tuple(origin))  # type: ignore[arg-type]
+    except ValueError as error:
+        raise MapFileError(f"it holds what no map has: {error}") from error
 
 
 def _array(

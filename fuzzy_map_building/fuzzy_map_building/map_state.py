@@ -50,29 +50,31 @@ class MapState:
             array = getattr(self, name)
             if not isinstance(array, np.ndarray) or array.dtype != kind:
                 raise ValueError(
-                    f"MapState.{name} must be an array of {np.dtype(kind)}, "
+                    f"the array '{name}' must be of {np.dtype(kind)}, "
                     f"got {getattr(array, 'dtype', type(array).__name__)}"
                 )
             if array.shape != self.geometry.shape:
                 raise ValueError(
-                    f"MapState.{name} has shape {array.shape}, its grid has (rows, columns) "
+                    f"the array '{name}' has shape {array.shape}, its map (rows, columns) "
                     f"{self.geometry.shape}"
                 )
         for name in ("empty", "occupied"):
             array = getattr(self, name)
             # Written so that NaN fails, too.
             if not (array.min() >= 0.0 and array.max() <= 1.0):
-                raise ValueError(f"MapState.{name} has memberships that are not in [0, 1]")
+                raise ValueError(f"the beliefs '{name}' are not all in [0, 1]")
         if self.count.min() < 0:
-            raise ValueError("MapState.count has negative numbers of perceptions")
+            raise ValueError("a cell counts a negative number of perceptions")
         if isinstance(self.perceptions, bool) or not isinstance(self.perceptions, int):
-            raise ValueError(f"MapState.perceptions must be whole, got {shown(self.perceptions)}")
+            raise ValueError(
+                f"the number of perceptions must be whole, got {shown(self.perceptions)}"
+            )
         if self.perceptions > MAX_PERCEPTIONS:
             raise ValueError(
-                f"MapState.perceptions must be at most {MAX_PERCEPTIONS}, got {self.perceptions}"
+                f"at most {MAX_PERCEPTIONS} perceptions are counted, got {self.perceptions}"
             )
         if self.perceptions < int(self.count.max()):
             raise ValueError(
-                f"MapState.perceptions is {self.perceptions}, but a cell counts "
-                f"{int(self.count.max())} perceptions"
+                f"a cell counts {int(self.count.max())} perceptions, more than the "
+                f"{self.perceptions} of the map"
             )

@@ -219,5 +219,5 @@ def _ahead(stamp: float, now: float) -> str:
 
 
 def _unplaced(stamp: float, now: float, newest: float | None) -> str:
-    came = "none" if newest is None else f"{newest:.3f} s"
-    return f"stamped {stamp:.3f} s, the clock being at {now:.3f} s, the newest of them at {came}"
+    came = "none has come" if newest is None else f"the newest of them at {newest:.3f} s"
+    return f"stamped {stamp:.3f} s, the clock being at {now:.3f} s, {came}"

@@ -25,6 +25,7 @@ from fuzzy_map_building.plain_yaml import shown
 __all__ = [
     "ParameterError",
     "ParameterInfo",
+    "checked_value",
     "describe",
     "flatten",
     "from_mapping",
@@ -184,8 +185,8 @@ def flatten(parameters: Any, prefix: str = "") -> dict[str, Any]:
     return out
 
 
-def _checked(info: ParameterInfo, value: Any) -> Any:
-    """Return `value` in the parameter's own type or raise ParameterError."""
+def checked_value(info: ParameterInfo, value: Any) -> Any:
+    """Return a value in the parameter's own type, or raise ParameterError."""
     if info.is_sequence:
         if isinstance(value, (str, bytes)) or not hasattr(value, "__iter__"):
             # ROS hands an empty list on as no value.
@@ -241,7 +242,7 @@ def validate(parameters: Any) -> None:
     for name, info in describe(type(parameters)).items():
         if "." in name:
             continue  # groups validate themselves
-        object.__setattr__(parameters, name, _checked(info, getattr(parameters, name)))
+        object.__setattr__(parameters, name, checked_value(info, getattr(parameters, name)))
 
 
 def from_mapping(base: T, values: Mapping[str, Any]) -> T:
@@ -265,7 +266,7 @@ def from_mapping(base: T, values: Mapping[str, Any]) -> T:
         if name not in known:
             raise ParameterError(f"unknown parameter {shown(name)}{suggest(name, known)}")
     for name, value in flat.items():
-        flat[name] = _checked(known[name], value)
+        flat[name] = checked_value(known[name], value)
     changed: T = _replace(base, flat)
     return changed
 

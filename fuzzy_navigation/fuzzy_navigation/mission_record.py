@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy_map_building.types import Pose2
+from fuzzy_map_building.wording import as_meant
 from fuzzy_navigation.mission_types import Finish, LogEntry, Outcome, Stop
 from fuzzy_navigation.plan_types import MAX_TOLERANCE
 
@@ -36,7 +37,7 @@ def checked_tolerance(tolerance: float) -> float:
     if tolerance != 0.0 and not least <= tolerance <= MAX_TOLERANCE:
         raise ValueError(
             f"the goal's tolerance must be at least {least} m and at most {MAX_TOLERANCE:g} m, "
-            f"or 0 for the parameter 'goal_tolerance', got {tolerance}"
+            f"or 0 for the parameter 'goal_tolerance', got {as_meant(tolerance)}"
         )
     return tolerance
 

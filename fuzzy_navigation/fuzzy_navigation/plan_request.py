@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fuzzy_map_building.types import Pose2
+from fuzzy_map_building.wording import as_meant
 from fuzzy_navigation.params import PlannerParameters
 from fuzzy_navigation.plan_types import MAX_TOLERANCE
 from fuzzy_navigation.positions import position, positions
@@ -92,20 +93,20 @@ class PlanRequest:
         if cost not in COSTS:
             raise ValueError(f"cost must be one of {', '.join(COSTS)}, got {cost!r}")
         if not 0.0 <= alpha <= 1.0:
-            raise ValueError(f"alpha must lie in [0, 1], 0 for the ladder, got {alpha}")
+            raise ValueError(f"alpha must lie in [0, 1], 0 for the ladder, got {as_meant(alpha)}")
         if adjacency not in (0, 4, 8):
             raise ValueError(f"adjacency must be 0, 4 or 8, got {adjacency!r}")
         if not 0.0 <= tolerance <= MAX_TOLERANCE:  # a NaN fails
             raise ValueError(
                 f"tolerance must lie in [0, {MAX_TOLERANCE:g}] m, 0 for the parameter, "
-                f"got {tolerance}"
+                f"got {as_meant(tolerance)}"
             )
         if not 0.0 <= slim_radius <= _MAX_SLIM_RADIUS:
             raise ValueError(
-                f"slim_radius must lie in [0, {_MAX_SLIM_RADIUS:g}] m, got {slim_radius}"
+                f"slim_radius must lie in [0, {_MAX_SLIM_RADIUS:g}] m, got {as_meant(slim_radius)}"
             )
         if not 0.0 <= slim_above <= 1.0:
-            raise ValueError(f"slim_above must lie in [0, 1], got {slim_above}")
+            raise ValueError(f"slim_above must lie in [0, 1], got {as_meant(slim_above)}")
         return cls(
             start=start_xy,
             heading=start.theta if isinstance(start, Pose2) else 0.0,

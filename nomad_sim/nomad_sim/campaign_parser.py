@@ -8,6 +8,7 @@ from argparse import ArgumentParser, RawDescriptionHelpFormatter
 from typing import NoReturn
 
 from fuzzy_map_building.params import DEFAULT_PRESET
+from fuzzy_map_building.wording import real_number, whole_number
 from nomad_sim.world_io import world_names
 from nomad_sim.worlds import KINDS
 
@@ -61,7 +62,7 @@ def campaign_parser() -> CampaignParser:
     )
     what.add_argument(
         "--generated",
-        type=int,
+        type=whole_number,
         nargs="?",
         const=1,
         metavar="N",
@@ -73,7 +74,10 @@ def campaign_parser() -> CampaignParser:
         help="missions in a map_server map (YAML with its image), start and goal by seed",
     )
     what.add_argument(
-        "--missions", type=int, metavar="N", help="how many missions with --floor-plan (20)"
+        "--missions",
+        type=whole_number,
+        metavar="N",
+        help="how many missions with --floor-plan (20)",
     )
     what.add_argument(
         "--kind",
@@ -81,12 +85,12 @@ def campaign_parser() -> CampaignParser:
         metavar="NAME",
         help=f"only this kind of --generated; repeatable: {', '.join(KINDS)} in turn",
     )
-    what.add_argument("--seeds", type=int, metavar="N", help="missions (20)")
-    what.add_argument("--first-seed", type=int, metavar="N", help="seed of the first (1)")
+    what.add_argument("--seeds", type=whole_number, metavar="N", help="missions (20)")
+    what.add_argument("--first-seed", type=whole_number, metavar="N", help="seed of the first (1)")
     what.add_argument("--fresh", action="store_true", help="draw the first seed, and say it")
     what.add_argument(
         "--start-spread",
-        type=float,
+        type=real_number,
         metavar="M",
         help="how far a start is from the world's in x and y at most, in metres, at any "
         "heading; 0: the world's start (0.3)",
@@ -111,7 +115,7 @@ def campaign_parser() -> CampaignParser:
     how = parser.add_argument_group("how")
     how.add_argument(
         "--jobs",
-        type=int,
+        type=whole_number,
         metavar="N",
         help="missions at a time (all cores)",
     )
@@ -123,7 +127,10 @@ def campaign_parser() -> CampaignParser:
     how.add_argument("--output", metavar="FOLDER", help="write CSV and JSON there")
     how.add_argument("--json", action="store_true", help="print JSON in place of tables")
     how.add_argument(
-        "--replay", type=int, metavar="SEED", help="run one mission and tell its perceptions"
+        "--replay",
+        type=whole_number,
+        metavar="SEED",
+        help="run one mission and tell its perceptions",
     )
     how.add_argument(
         "--figures",

@@ -13,7 +13,7 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticArray
 
 from fuzzy_map_building.ros import names, qos
-from fuzzy_navigation.ros.bringup import NODES, node_commands
+from fuzzy_navigation.ros.bringup import NODES, main, node_commands
 from ros.harness import NodeProcess, Probe, Received, wait_until
 
 STARTED = {names.MAPPER_NODE, names.PLANNER_NODE, names.MOTION_NODE}
@@ -187,6 +187,19 @@ def test_what_nodes_would_refuse_is_told_before_any_is_started(
         "fuzzy_motion: cannot start: parameter 'beta' must be at most 1.0, got 7.0 "
         f"(--params-file {file}, section '/**/fuzzy_motion')",
     ]
+
+
+@pytest.mark.parametrize("namespace", ["a b", "1st", "a//b", "ä", "a/2", "/"])
+def test_what_is_no_namespace_is_refused(namespace: str) -> None:
+    with pytest.raises(ValueError, match="letters, digits, '_' and '/' between names"):
+        node_commands(namespace=namespace)
+
+
+def test_what_is_no_number_is_refused_in_plain_words(capsys: pytest.CaptureFixture[str]) -> None:
+    for text in ("x", "1.5", ""):
+        with pytest.raises(SystemExit):
+            main(["--respawn", text])
+        assert f"must be a whole number, got {text!r}" in capsys.readouterr().err
 
 
 def test_each_node_gets_the_presets_that_it_knows(tmp_path: Path) -> None:

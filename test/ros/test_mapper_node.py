@@ -237,9 +237,9 @@ def test_a_perception_of_faulty_readings_is_none(
     status, result = perceive(module_probe, build_map)
     assert status == GoalStatus.STATUS_ABORTED
     assert result.perception == 0
-    assert result.message == "none of 48 readings gave evidence (3 nan, 45 out_of_range)"
+    assert result.message == "none of 48 readings gave evidence (3 nan, 45 out of range)"
     assert (motion_map(module_probe) == 100).all()
-    mapper.wait_for_output("none of 48 readings gave evidence (3 nan, 45 out_of_range)")
+    mapper.wait_for_output("none of 48 readings gave evidence (3 nan, 45 out of range)")
 
 
 def test_a_robot_without_a_turret_perceives_where_its_sonars_look(

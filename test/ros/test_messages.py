@@ -70,8 +70,7 @@ def test_everything_that_is_given_up_is_told_with_its_sensor_and_its_times() -> 
         "at 10.000 s",
         "no_pose": "sonar 5 stamped 10.050 s, the clock being at 10.600 s, the newest of them "
         "at 10.000 s",
-        "no_turret": "sonar 3 stamped 10.000 s, the clock being at 10.600 s, the newest of them "
-        "at none",
+        "no_turret": "sonar 3 stamped 10.000 s, the clock being at 10.600 s, none has come",
         "pose.duplicate": "stamped 10.000 s, after 10.000 s",
         "pose.out_of_order": "stamped 9.000 s, after 10.000 s",
         "pose.future": "stamped 12.000 s, 2.000 s ahead of the clock",

@@ -144,7 +144,9 @@ class Addressed:
                 self._files.append(_Argument(f"--params-file {text}", section_parameters(text)))
                 self._values.append(self._files[-1])
             elif flag in ("-p", "--param", "-r", "--remap"):
-                target, _, value = text.partition(":=")
+                target, rule, value = text.partition(":=")
+                if not rule:
+                    raise ValueError(f"{flag} {text}: <name>:=<value> is expected, as in a:=1.0")
                 node, colon, what = target.rpartition(":")
                 if colon and not what.startswith("//"):  # rostopic://name is of no node
                     rules.append(_Argument(f"{flag} {text}", {node: frozenset()}))

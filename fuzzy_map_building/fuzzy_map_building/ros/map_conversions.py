@@ -26,6 +26,7 @@ from fuzzy_map_building.ros.conversions import (
     float32,
     pose_from_msg,
 )
+from fuzzy_map_building.wording import counted
 
 __all__ = [
     "geometry_from_msg",
@@ -83,8 +84,8 @@ def grid_from_msg(
     if len(message.data) != cells:
         raise Refused(
             "size",
-            f"{what} has {len(message.data)} values for {geometry.width} x {geometry.height} "
-            "cells",
+            f"{what} has {counted(len(message.data), 'value')} for {geometry.width} x "
+            f"{geometry.height} cells",
         )
     values = np.frombuffer(message.data, dtype=np.int8).reshape(geometry.shape)
     if values.min() < -1 or values.max() > 100:
@@ -196,7 +197,8 @@ def window_from_msg(
         raise Refused("window", f"{what} at column {x}, row {y} ends beyond {_FARTHEST}")
     if len(message.data) != width * height:
         raise Refused(
-            "size", f"{what} has {len(message.data)} values for {width} x {height} cells"
+            "size",
+            f"{what} has {counted(len(message.data), 'value')} for {width} x {height} cells",
         )
     cells = np.frombuffer(message.data, dtype=np.int8).reshape(height, width)
     if not none and (cells.min() < 0 or cells.max() > 100):

@@ -264,7 +264,9 @@ class MapperNode(Node):
             return FusedPacket(
                 self._mapper.perceptions, report.accepted, report.infrared_accepted, ""
             )
-        reasons = ", ".join(f"{n} {reason}" for reason, n in sorted(report.rejected.items()))
+        reasons = ", ".join(
+            f"{n} {reason.replace('_', ' ')}" for reason, n in sorted(report.rejected.items())
+        )
         return FusedPacket(
             self._mapper.perceptions,
             0,

@@ -37,6 +37,7 @@ from rclpy.service import Service
 from fuzzy_map_building.parameter_schema import (
     ParameterError,
     ParameterInfo,
+    checked_value,
     describe,
     flatten,
     from_mapping,
@@ -53,6 +54,8 @@ T = TypeVar("T")
 PRESET: Final = "preset"
 #: Overrides that rclpy itself looks up, by prefix.
 _RCLPY_PREFIX: Final = "qos_overrides."
+#: The one parameter of every node that rclpy declares.
+_SIM_TIME: Final = "use_sim_time"
 _INTEGER_LIMIT: Final = 2**63 - 1
 _SCALARS: Final = {
     bool: Parameter.Type.BOOL,
@@ -123,8 +126,15 @@ class NodeParameters(Generic[T]):
             return (
                 f"unknown parameter {shown(parameter.name)}{suggest(parameter.name, self._infos)}"
             )
-        kind = self._converted(parameter).type_
+        if info.read_only:
+            return _only_at_the_start(parameter.name)
+        converted = self._converted(parameter)
+        kind = converted.type_
         if kind is _type_of(info):
+            try:
+                checked_value(info, converted.value)
+            except ParameterError as error:
+                return str(error)
             return ""
         wanted = kind_of(info)
         if kind is Parameter.Type.NOT_SET:
@@ -225,8 +235,14 @@ def _guard_services(node: Node, parameters: NodeParameters[T]) -> None:
         # rclpy's callbacks die of a value of no type.
         if message.value.type not in kinds:
             return f"{shown(message.name)} has a value of type {message.value.type}, unknown"
-        foreign = node.has_parameter(message.name) and message.name not in parameters.names
-        return "" if foreign else parameters.refusal(Parameter.from_parameter_msg(message))
+        parameter = Parameter.from_parameter_msg(message)
+        if message.name in parameters.names or not node.has_parameter(message.name):
+            return parameters.refusal(parameter)
+        if node.describe_parameter(message.name).read_only:
+            return _only_at_the_start(message.name)
+        if message.name == _SIM_TIME and parameter.type_ is not Parameter.Type.BOOL:
+            return f"parameter '{_SIM_TIME}' must be true or false, got {shown(parameter.value)}"
+        return ""
 
     def told(result: SetParametersResult) -> SetParametersResult:
         if not result.successful and parameters.on_refusal is not None:
@@ -264,6 +280,10 @@ def _guard_services(node: Node, parameters: NodeParameters[T]) -> None:
     for service in node.services:
         if service.srv_type in (SetParameters, SetParametersAtomically):
             service.callback = guarded(service)
+
+
+def _only_at_the_start(name: str) -> str:
+    return f"parameter '{name}' can be set only when the node is started"
 
 
 def _type_of(info: ParameterInfo) -> Parameter.Type:

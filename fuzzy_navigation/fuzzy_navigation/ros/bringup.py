@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import re
 import sys
 import tempfile
 from collections.abc import Mapping, Sequence
@@ -24,8 +25,10 @@ from typing import Any, Final
 
 from fuzzy_map_building.parameter_schema import suggest
 from fuzzy_map_building.params import PRESETS as MAPPER_PRESETS
+from fuzzy_map_building.plain_yaml import shown
 from fuzzy_map_building.ros.readiness import ReadyWatch, tell_ready
 from fuzzy_map_building.ros.run import EXIT_REFUSED, check_arguments, stop_on_signals
+from fuzzy_map_building.wording import whole_number
 from fuzzy_navigation.concurrent_mission import SETTINGS
 from fuzzy_navigation.params import MOTION_PRESETS, PLANNER_PRESETS
 from fuzzy_navigation.ros.declarations import DECLARATIONS, refusals
@@ -41,6 +44,8 @@ from fuzzy_navigation.ros.respawn import DEFAULT_LIMIT, STEADY, keep_running
 __all__ = ["NODES", "main", "node_commands"]
 
 _ROS_ARGS: Final = "--ros-args"
+
+_NAMESPACE: Final = re.compile(r"[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)
 
 #: Module of each node, and the presets that it knows.
 NODES: Final[Mapping[str, tuple[str, Mapping[str, Mapping[str, Any]]]]] = {
@@ -80,7 +85,7 @@ def node_commands(
     Raises
     ------
     ValueError
-        If no node knows the preset, or a file does not exist.
+        If no node knows the preset, a file does not exist, or no namespace is called so.
     """
     known = sorted({name for _, presets in NODES.values() for name in presets})
     if preset and preset not in known:
@@ -91,6 +96,11 @@ def node_commands(
             raise ValueError(f"there is no parameter file '{file}'")
         common += ["--params-file", str(file)]
     if namespace:
+        if not _NAMESPACE.fullmatch(namespace.strip("/")):
+            raise ValueError(
+                f"namespace {shown(namespace)}: letters, digits, '_' and '/' between names, none "
+                "beginning with a digit, such as robot1"
+            )
         common += ["-r", f"__ns:=/{namespace.strip('/')}"]
     commands = {}
     for name, (module, presets) in NODES.items():
@@ -221,7 +231,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _count(text: str) -> int:
-    count = int(text)
+    count = whole_number(text)
     if count < 1:
         raise argparse.ArgumentTypeError(f"must be at least 1, got {text}")
     return count

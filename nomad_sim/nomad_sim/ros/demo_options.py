@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import argparse
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -16,6 +15,7 @@ from fuzzy_map_building.params import DEFAULT_PRESET, mapper_parameters
 from fuzzy_map_building.ros import names
 from fuzzy_map_building.ros.addressed import section_parameters
 from fuzzy_map_building.types import Pose2
+from fuzzy_map_building.wording import real_number, whole_number
 from fuzzy_navigation.params import motion_parameters, planner_parameters
 from nomad_sim.ground_truth import reachable
 from nomad_sim.output_folder import made_folder
@@ -154,17 +154,21 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--start",
         nargs=3,
-        type=_finite,
+        type=real_number,
         metavar=("X", "Y", "THETA"),
         help="start [m, m, rad] (default: the world's)",
     )
     parser.add_argument(
-        "--goal", nargs=2, type=_finite, metavar=("X", "Y"), help="goal [m] (default: the world's)"
+        "--goal",
+        nargs=2,
+        type=real_number,
+        metavar=("X", "Y"),
+        help="goal [m] (default: the world's)",
     )
-    parser.add_argument("--seed", type=int, default=0, help="of all noise (default: 0)")
+    parser.add_argument("--seed", type=whole_number, default=0, help="of all noise (default: 0)")
     parser.add_argument(
         "--rate",
-        type=_finite,
+        type=real_number,
         default=DEFAULT_RATE,
         help="simulated seconds a second, 0: as fast as the machine allows "
         f"(default: {DEFAULT_RATE:g})",
@@ -205,22 +209,15 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _finite(text: str) -> float:
-    value = float(text)
-    if not math.isfinite(value):
-        raise argparse.ArgumentTypeError(f"must be finite, got {text}")
-    return value
-
-
 def _positive(text: str) -> float:
-    value = _finite(text)
+    value = real_number(text)
     if value <= 0.0:
         raise argparse.ArgumentTypeError(f"must be above 0, got {text}")
     return value
 
 
 def _domain(text: str) -> int:
-    value = int(text)
+    value = whole_number(text)
     if value not in DOMAINS:
         raise argparse.ArgumentTypeError(f"must be from {DOMAINS[0]} to {DOMAINS[-1]}, got {text}")
     return value

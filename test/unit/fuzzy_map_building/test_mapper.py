@@ -297,18 +297,18 @@ def bad_states() -> list[tuple[dict, str]]:
     e = np.zeros((2, 3))
     n = np.zeros((2, 3), dtype=np.int32)
     return [
-        ({"empty": e[:1]}, r"MapState\.empty has shape \(1, 3\)"),
-        ({"empty": e.astype(np.float32)}, r"MapState\.empty must be an array of float64"),
-        ({"occupied": [[0.0]]}, r"MapState\.occupied must be an array of float64, got list"),
-        ({"occupied": e + 1.5}, r"MapState\.occupied has memberships that are not in \[0, 1\]"),
-        ({"empty": e - 0.1}, r"not in \[0, 1\]"),
-        ({"empty": e * math.nan}, r"not in \[0, 1\]"),
+        ({"empty": e[:1]}, r"the array 'empty' has shape \(1, 3\)"),
+        ({"empty": e.astype(np.float32)}, "the array 'empty' must be of float64"),
+        ({"occupied": [[0.0]]}, "the array 'occupied' must be of float64, got list"),
+        ({"occupied": e + 1.5}, r"the beliefs 'occupied' are not all in \[0, 1\]"),
+        ({"empty": e - 0.1}, r"not all in \[0, 1\]"),
+        ({"empty": e * math.nan}, r"not all in \[0, 1\]"),
         ({"count": n - 1}, "negative"),
-        ({"count": n + 9}, "perceptions is 5, but a cell counts 9"),
+        ({"count": n + 9}, "a cell counts 9 perceptions, more than the 5 of the map"),
         ({"perceptions": 5.0}, "must be whole"),
         ({"perceptions": True}, "must be whole"),
         ({"perceptions": None}, "must be whole"),
-        ({"perceptions": -1}, "perceptions is -1"),
+        ({"perceptions": -1}, "more than the -1 of the map"),
     ]
 
 

@@ -346,6 +346,13 @@ def test_bad_requests_are_answered_not_raised(request_, words):
     assert planner.plan((0.0, 3.0), (1.0, 3.0)).status is PlanStatus.FOUND
 
 
+def test_numbers_of_a_float32_message_are_told_as_they_were_meant():
+    planner = planner_for(np.zeros((30, 40)))
+    for field, value in (("alpha", 1.2), ("tolerance", 10.1), ("slim_radius", 5.3)):
+        result = planner.plan(centre(1, 1), centre(2, 2), **{field: float(np.float32(value))})
+        assert result.message.endswith(f", got {value}")
+
+
 @pytest.mark.parametrize(
     ("risk", "barred", "words"),
     [
