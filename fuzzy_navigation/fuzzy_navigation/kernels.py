@@ -40,6 +40,8 @@ _STEP = 15
 #: What the loop keeps between two calls, by index.
 FREE, FRESH, WAITING, BUCKET, EXPANDED, FINAL, LONGEST = range(7)
 TOP, BOTTOM, LEFT, RIGHT = range(7, 11)
+#: What it keeps as `FINAL` when a path became too long for the labels.
+NO_ROOM = -2
 
 # Whoever sees this knows that the index is not negative: no check for indices from the end.
 _INDEX = 0x7FFFFFFF
@@ -54,9 +56,9 @@ IntArray = NDArray[np.int64]
 Int32Array = NDArray[np.int32]
 
 
-def longest_label(cells: int) -> int:
-    """Return a number that no label on a map of so many cells exceeds."""
-    return (cells * DIAGONAL << _STEP_BITS) + _STEP
+def longest_labelled(most: int) -> int:
+    """Return the length of paths from which on a step more may need a label above `most`."""
+    return ((most - _STEP) >> _STEP_BITS) - DIAGONAL
 
 
 @njit
@@ -94,6 +96,7 @@ def best_first(
     width: int,
     goal: int,
     limit: int,
+    longest_labelled: int,
     corner_cutting: bool,
     bottleneck: bool,
     ahead: tuple[int, int, int, int, int],
@@ -129,8 +132,9 @@ def best_first(
         Cells in a row, border included.
     goal : int
         Index of a cell. That of the start is waiting.
-    limit : int
-        Most cells to expand; the search is over before the next.
+    limit, longest_labelled : int
+        Most cells to expand, and longest path to one; the search is over before it expands more
+        or one farther away.
     corner_cutting : bool
         Whether a diagonal step may pass a cell that must not be entered.
     bottleneck : bool
@@ -252,8 +256,8 @@ def best_first(
                 )
             ):
                 continue
-        if expanded == limit:
-            final = -1
+        if expanded == limit or so_long > longest_labelled:
+            final = -1 if expanded == limit else NO_ROOM
             over = True
             break
         label[cell] = ~known
@@ -308,12 +312,8 @@ def best_first(
             arrival = arrivals[i]
             label[neighbour] = (reached_length << _STEP_BITS) + arrival
             visit = (neighbour << _STEP_BITS) + arrival
-            high = down - row_step
-            if high < 0:
-                high = -high
-            low = across - column_step
-            if low < 0:
-                low = -low
+            high = abs(down - row_step)
+            low = abs(across - column_step)
             if low > high:
                 low, high = high, low
             tie = tie_high * high + tie_low * low + tie_length * reached_length

@@ -47,18 +47,19 @@ class Workspace:
     Parameters
     ----------
     wide : bool
-        Whether labels are of 64 bits on any map, as they are on large ones.
+        Whether labels are of 64 bits, as they become where a path of a million cells and more
+        has no room in 32.
     """
 
     def __init__(self, wide: bool = False) -> None:
-        self._wide = wide
+        self._kind: type[Any] = np.int64 if wide else np.int32
         self._forget()
 
     def _forget(self) -> None:
         """Begin anew."""
         self._shape = (0, 0)
         self._cost = filled(0, kernels.UNSEEN, np.float64)
-        self._label = filled(0, 0, np.int32)
+        self._label = filled(0, 0, self._kind)
         self._buckets = filled(0, -1, np.int32)
         self._queue = filled(_ENTRIES, 0, np.int64)
 
@@ -145,6 +146,7 @@ class Workspace:
                 width,
                 target,
                 _UNLIMITED if limit is None else limit,
+                kernels.longest_labelled(int(np.iinfo(self._kind).max)),
                 corner_cutting,
                 field.bottleneck,
                 order.ahead,
@@ -161,6 +163,10 @@ class Workspace:
         except BaseException:  # nobody knows what was touched
             self._forget()
             raise
+        if final == kernels.NO_ROOM:
+            self._kind = np.int64
+            self._forget()
+            return self.search(field, start, goal, adjacency, diagonal, corner_cutting, limit)
         return path, expanded
 
     def _fit(self, shape: tuple[int, int]) -> None:
@@ -172,10 +178,8 @@ class Workspace:
                     f"a map of {shape[0]} x {shape[1]} cells is too large to search; "
                     f"at most {kernels.MOST_CELLS} cells can be"
                 )
-            # A path enters each cell once.
-            narrow = not self._wide and kernels.longest_label(cells) <= np.iinfo(np.int32).max
             self._cost = filled(cells, kernels.UNSEEN, np.float64)
-            self._label = filled(cells, 0, np.int32 if narrow else np.int64)
+            self._label = filled(cells, 0, self._kind)
             self._shape = shape
 
     def _make_room(self) -> None:

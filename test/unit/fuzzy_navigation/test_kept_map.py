@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from fuzzy_map_building.grid import GridGeometry, Window
+from fuzzy_map_building.jit import compiled
 from fuzzy_map_building.occupancy import Hundredths
 from fuzzy_navigation import planning_map
 from fuzzy_navigation.layer_params import LayerParameters
@@ -177,11 +178,18 @@ def test_bars_of_the_map_outlive_windows():
     assert planner.plan((0.5, 0.5), (4.0, 0.5)).status is PlanStatus.NO_PATH
 
 
-def test_memory():
+@pytest.mark.parametrize(("size", "cost"), [(700, "g2"), (1300, "g3")])
+def test_memory(size, cost):
     """At most 20 bytes a cell for the map and all that a search through the whole of it needs."""
-    size = 700
+    if not compiled() and size > 1000:
+        pytest.skip("half a minute without compiled loops")
     rng = np.random.default_rng(4)
     planner = Planner(GridGeometry(size, size, 0.1), PlannerParameters(robot_radius=0.0))
-    planner.set_map((0.6 * rng.random((size, size))).round(2))
-    assert planner.plan((0.05, 0.05), (69.95, 69.95)).expanded > 0.5 * size**2
+    risk = (0.6 * rng.random((size, size))).round(2)
+    if cost == "g3":  # over a ridge alone: all cells before it wait at one time or another
+        risk[:, -3] = 0.99
+    planner.set_map(risk)
+    far = 0.1 * size - 0.05
+    alpha = {"g2": 0.0, "g3": 1.0}[cost]
+    assert planner.plan((0.05, 0.05), (far, far), cost, alpha).expanded > 0.5 * size**2
     assert planner.nbytes <= 20 * size**2

@@ -260,6 +260,43 @@ def test_a_workspace_serves_any_number_of_searches():
     assert found > 8
 
 
+def serpentine(size):
+    """Walls across all but one end of every other row, and the cells that the only path enters."""
+    barred = np.zeros((size, size), dtype=bool)
+    barred[1::2] = True
+    barred[1::4, -1] = barred[3::4, 0] = False
+    return barred, int((~barred).sum())
+
+
+@pytest.mark.parametrize("cost", ["g1", "g3"])
+def test_a_path_too_long_for_short_labels_is_found_all_the_same(monkeypatch, cost):
+    barred, entered = serpentine(21)
+    workspace = Workspace()
+    asked = (np.zeros(barred.shape), (0, 0), (20, 20), cost, 1.0, 4)
+    bits = []
+
+    def tight(most):
+        """As if labels of 32 bits ended soon after the first rows."""
+        bits.append(int(most).bit_length() + 1)
+        return 100 * kernels.STRAIGHT if bits[-1] == 32 else 2**40
+
+    monkeypatch.setattr(kernels, "longest_labelled", tight)
+    assert find_path(*asked[:2], (0, 20), *asked[3:], barred=barred, workspace=workspace).found
+    assert bits == [32]
+    for _ in range(2):
+        found = find_path(*asked, barred=barred, workspace=workspace)
+        assert len(found.path) == entered == 241
+        assert len({tuple(cell) for cell in found.path.tolist()}) == 241
+    assert bits == [32, 32, 64, 64]
+
+
+def test_labels_have_room_for_a_million_cells():
+    """A label is the length times 16, and up to 15; one step more must fit as well."""
+    longest = kernels.longest_labelled(2**31 - 1)
+    assert (longest + kernels.DIAGONAL) * 16 + 15 <= 2**31 - 1
+    assert longest >= 1_900_000 * kernels.STRAIGHT
+
+
 def test_a_search_that_is_broken_off_leaves_nothing_behind(monkeypatch):
     workspace = Workspace()
     risk = np.random.default_rng(8).random((30, 30)).round(2)
@@ -312,11 +349,11 @@ def test_nothing_is_compiled_after_warm_up():
                 find_path(risk, (0, 0), (9, 9), cost, 1, adjacency, epsilon=1, diagonal=diagonal)
     find_path(np.ones((10, 10), dtype=np.uint8), (0, 0), (9, 9), alpha=1)
     assert [len(kernels.best_first.signatures), len(kernels.trace.signatures)] == before
-    wide = Workspace(wide=True)  # as on a map of a million cells and more
+    wide = Workspace(wide=True)  # as for a path of a million cells and more
     find_path(risk, (0, 0), (9, 9), workspace=wide)
     find_path(risk.round(2), (0, 0), (9, 9), workspace=wide)
     assert [len(kernels.best_first.signatures), len(kernels.trace.signatures)] == before
-    assert before == [4, 2]  # costs by a table, and costs as they are; both on large maps
+    assert before == [4, 2]  # costs by a table, and costs as they are; both with long labels
 
 
 @pytest.mark.parametrize("shape", [(200, 40), (600, 40), (40, 300)])
