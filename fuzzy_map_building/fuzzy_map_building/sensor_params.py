@@ -197,7 +197,8 @@ class SonarGuardParameters:
     )
     motion_reach: float = parameter(
         0.25,
-        doc="returns from closer to the body than this count while the robot moves",
+        doc="returns from closer to the body than this count while the robot moves, and once it "
+        "is so close those that it heard twice on the way from as far as perception_reach",
         unit="m",
         minimum=0.0,
         maximum=20.0,

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from fuzzy_map_building.sonar_guard import guard_points, rim_points
 from fuzzy_map_building.types import InfraredReading, Pose2, SonarReading
 from fuzzy_navigation.clearance import InfraredRing, clearance_at, hit_points
+from fuzzy_navigation.heard_echoes import HeardEchoes
 from fuzzy_navigation.hit_memory import HitMemory
 from fuzzy_navigation.params import MotionParameters
 from fuzzy_navigation.ring_watch import RingWatch
@@ -49,6 +50,7 @@ class Surroundings:
         self._ring = InfraredRing(parameters.infrared)
         self._memory = HitMemory(parameters.infrared)
         self._echoes: dict[int, SonarReading] = {}
+        self._heard = HeardEchoes(parameters.sonar.mount_radius)
         self._phase = _Phase.IDLE
         near, far = parameters.infrared, parameters.sonar
         self._watches = [RingWatch(near.frame_ids, near.min_range, near.max_range)]
@@ -60,6 +62,7 @@ class Surroundings:
         self._ring.clear()
         self._memory.forget()
         self._echoes.clear()
+        self._heard.forget()
         for watch in self._watches:
             watch.clear()
 
@@ -101,6 +104,7 @@ class Surroundings:
                 seen = self._ring.hits(now, limit)
                 far = [echo for echo in sonar if echo.range > -math.inf]
                 self._memory.add(self._unseen(far, seen, guard.motion_reach))
+                self._memory.add(self._heard_before(pose, far, seen))
                 self._memory.add(self._touching(sonar, seen), guessed=True)
             if layer.enabled:
                 self._memory.pass_by(pose, self._ring.hits(now, limit))
@@ -128,6 +132,7 @@ class Surroundings:
         """Take short sonar echoes for hits that infrareds do not see; the robot moves on."""
         self._phase = _Phase.MOVING
         self._echoes.clear()
+        self._heard.forget()
         memory, guard = self._memory, self._p.sonar_guard
         if guard.enabled:
             far = [echo for echo in memory.sonar if echo.range > -math.inf]
@@ -242,6 +247,18 @@ class Surroundings:
         limit = p.timeout.infrared
         echoes = [echo for echo in self._echoes.values() if now - echo.stamp <= limit]
         return self._unseen(echoes, self._ring.hits(now, limit), p.sonar_guard.perception_reach)
+
+    def _heard_before(self, pose: Pose2, far: Sequence[SonarReading], seen: Points) -> Points:
+        """Return points (x, y) [m] for what was heard from afar and is close by now."""
+        p, guard, radius = self._p, self._p.sonar_guard, self._p.robot_radius
+        self._heard.take(far, guard.perception_reach + radius)
+        due = self._heard.due(pose, guard.motion_reach + radius)
+        if not due:
+            return np.empty((0, 2))
+        below = guard.perception_reach + radius - p.sonar.mount_radius
+        longer = [echo for echo in self._echoes.values() if echo.range >= below]
+        known = np.vstack([seen, self._memory.measured])
+        return guard_points([*due, *longer], known, p.sonar, guard, guard.perception_reach, radius)
 
     def _touching(self, sonar: Sequence[SonarReading], seen: Points) -> Points:
         p = self._p
