@@ -138,8 +138,12 @@ class InfraredRing:
     """
 
     def __init__(self, parameters: InfraredParameters) -> None:
-        self._parameters = parameters
         self._newest: dict[int, InfraredReading] = {}
+        self.adopt(parameters)
+
+    def adopt(self, parameters: InfraredParameters) -> None:
+        """Go by other parameters of the same sensors; their readings stay."""
+        self._parameters = parameters
         # Asked for several times a tick.
         self._hits: tuple[float, float, Points] | None = None
 

@@ -65,15 +65,34 @@ SETTLED_DISTANCE, SETTLED_TIME = 0.5, 0.8
 #: Way from one stop to the next below which a stop is one for a perception [m].
 LEAST_WAY = 0.3
 
-#: Time on the way without a map after which the mapper seems to make none [s].
+#: Time on the way without a map after which the mapper seems to make none, and age of a map from
+#: which on a robot that is given a goal looks before it sets out [s].
 MAP_SILENCE = 5.0
 
 
-def mission_of(parameters: MotionParameters | None = None) -> Mission:
-    """Return the mission that goes by some parameters, concurrent or alternating."""
-    if parameters is not None and parameters.concurrent:
-        return ConcurrentMission(parameters)
-    return Mission(parameters)
+def mission_of(
+    parameters: MotionParameters | None = None, before: Mission | None = None
+) -> Mission:
+    """Return the mission that goes by some parameters, concurrent or alternating.
+
+    Parameters
+    ----------
+    parameters : MotionParameters, optional
+        Rules and limits.
+    before : Mission, optional
+        One that is to go by them from now on, see `Mission.adopt`, and knows what is known. It is
+        the one that is returned, unless it is idle and of the other kind.
+    """
+    parameters = parameters if parameters is not None else MotionParameters()
+    kind = ConcurrentMission if parameters.concurrent else Mission
+    if before is None:
+        return kind(parameters)
+    mission = before
+    if type(before) is not kind:
+        mission = kind(parameters)
+        mission.take_over(before)
+    mission.adopt(parameters)
+    return mission
 
 
 class ConcurrentMission(Mission):
@@ -96,7 +115,9 @@ class ConcurrentMission(Mission):
         self._way_looked = 0.0
         #: Way at the last stop [m].
         self._way_stopped = 0.0
-        #: When the robot was last not on its way, or a map came on it [s].
+        #: When the newest map was made [s].
+        self._map_made = -math.inf
+        #: When the robot last set out, or a map came on its way [s].
         self._mapped_at = 0.0
         self._unmapped = False
         #: Cell of the path from which on a new one is asked for.
@@ -141,6 +162,8 @@ class ConcurrentMission(Mission):
     def _mapped(self, now: float, area: ExploredArea, stamp: float | None) -> Commands:
         commands = super()._mapped(now, area, stamp)
         self._maps += 1
+        age = 0.0 if stamp is None else max(now - stamp, 0.0)
+        self._map_made = self._time.elapsed - age
         if self._state is not State.MOVING:
             return commands
         self._mapped_at, self._unmapped = self._time.elapsed, False
@@ -148,9 +171,7 @@ class ConcurrentMission(Mission):
 
     def _watch(self) -> list[Command]:
         time = self._time.elapsed
-        if self._state is not State.MOVING:
-            self._mapped_at = time
-        else:
+        if self._state is State.MOVING:
             self._unmapped |= time - self._mapped_at > MAP_SILENCE
             if self._request.overdue(time):
                 self._request.settle()
@@ -161,7 +182,9 @@ class ConcurrentMission(Mission):
         if verdict:
             return self._finish(verdict)
         self._way_looked = self._way_stopped = 0.0
-        if self._area is None or not self._area.holds(self._here.x, self._here.y):
+        # Where it had been long idle, or its mapper maps on demand, the map tells of another time.
+        outdated = self._time.elapsed - self._map_made > MAP_SILENCE
+        if outdated or not self._known.holds(self._here.x, self._here.y):
             return self._perceive()
         self._around.move_on()
         return self._plan_unseen()
@@ -179,6 +202,10 @@ class ConcurrentMission(Mission):
         self._unseen = False
         self._way_looked = self._record.path_length
         return super()._perceive()
+
+    def _move(self, plan: PlanResult) -> list[Command]:
+        self._mapped_at = self._time.elapsed
+        return super()._move(plan)
 
     def _plan(self) -> list[Command]:
         self._planned_on = self._maps

@@ -89,6 +89,14 @@ class Follower:
         self._omega = 0.0
         self._arrived = True
 
+    def adopt(self, parameters: FollowerParameters, aligned: float) -> None:
+        """Go by other limits, those of the constructor; a path in hand is kept as it is bent.
+
+        On the way no other limit of `FollowerParameters` may change than `max_linear`.
+        """
+        self._p, self._aligned = parameters, aligned
+        self._speed = [self._speed_limit(leg) for leg in self._path.legs]
+
     @property
     def length(self) -> float:
         """Length of the driven path [m]."""
@@ -334,5 +342,6 @@ class Follower:
     @staticmethod
     def _limited(value: float, old: float, acceleration: float, limit: float, dt: float) -> float:
         change = acceleration * dt
-        value = min(max(value, old - change), old + change)
-        return min(max(value, -limit), limit)
+        value = min(max(value, -limit), limit)
+        # Last: one that drives when it is given a smaller limit slows down to it.
+        return min(max(value, old - change), old + change)

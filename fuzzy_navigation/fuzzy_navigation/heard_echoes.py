@@ -53,9 +53,13 @@ class HeardEchoes:
     """
 
     def __init__(self, mount_radius: float) -> None:
-        self._mount_radius = mount_radius
+        self.adopt(mount_radius)
         self._once: deque[_Heard] = deque(maxlen=KEPT)
         self._again: deque[_Heard] = deque(maxlen=KEPT)
+
+    def adopt(self, mount_radius: float) -> None:
+        """Go by another radius [m] from now on."""
+        self._mount_radius = mount_radius
 
     def forget(self) -> None:
         """Forget all returns."""

@@ -55,8 +55,14 @@ class HitMemory:
     """
 
     def __init__(self, infrared: InfraredParameters) -> None:
-        self._infrared = infrared
+        self.adopt(infrared)
         self.forget()
+
+    def adopt(self, infrared: InfraredParameters) -> None:
+        """Go by other parameters of the same ring; what is remembered stays."""
+        self._infrared = infrared
+        self._array: Points | None = None
+        self._stood_array: Points | None = None
 
     def forget(self) -> None:
         """Forget everything: a perception begins."""
@@ -69,8 +75,7 @@ class HitMemory:
         self._kept: set[tuple[int, int]] = set()
         self._stood_before = False
         self._last: Pose2 | None = None
-        self._array: Points | None = None
-        self._stood_array: Points | None = None
+        self._array = self._stood_array = None
 
     def forget_near(self, place: Pose2, reach: float) -> None:
         """Forget what lies within a distance [m] of a place where a perception begins."""

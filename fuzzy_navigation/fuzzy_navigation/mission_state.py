@@ -59,6 +59,36 @@ class MissionState:
         #: Maps that came while the robot was on its way.
         self.maps_on_the_way = 0
 
+    def adopt(self, parameters: MotionParameters) -> None:
+        """Go by other parameters, knowing what is known.
+
+        Parameters
+        ----------
+        parameters : MotionParameters
+            Of the same sensors. While a mission runs they may differ in nothing but what
+            `ParameterChange` lets through.
+        """
+        before, self._p = self._p, parameters
+        self._around.adopt(parameters)
+        self._motion.adopt(parameters)
+        self._poses.adopt(parameters.watch, parameters.follower)
+        if self.active:
+            return
+        self._tried = TriedPlaces(parameters)
+        self._turn = LookTurn(parameters.look_turn, parameters.follower)
+        if self._area is not None and _body(parameters) != _body(before):
+            geometry, codes = self._area.geometry, self._area.codes
+            rules = _body(parameters)
+            # Of a map that is not at hand any more it cannot be told anew what may be entered.
+            self._area = ExploredArea(geometry, codes, *rules, self._pose) if codes else None
+
+    def take_over(self, before: MissionState) -> None:
+        """Know and go on counting all that another, which is idle and given up, did."""
+        self._around, self._motion, self._poses = before._around, before._motion, before._poses
+        self._area, self._pose, self._pose_time = before._area, before._pose, before._pose_time
+        self._time, self._record, self._request = before._time, before._record, before._request
+        self._p, self.maps_on_the_way = before._p, before.maps_on_the_way
+
     @property
     def active(self) -> bool:
         """Whether a mission runs."""
@@ -131,5 +161,11 @@ class MissionState:
     def _distance_remaining(self) -> float:
         if self._record.alpha > 0.0:
             return self._motion.remaining
-        goal = self._record.goal
-        return self._pose.distance_to(goal.x, goal.y) if self._pose else math.nan
+        if self._pose is None or self._record.mission == 0:
+            return math.nan
+        return self._pose.distance_to(self._record.goal.x, self._record.goal.y)
+
+
+def _body(parameters: MotionParameters) -> tuple[float, float, str]:
+    """Return what says which cells of a motion map the robot may enter."""
+    return parameters.beta, parameters.robot_radius, parameters.augmentation

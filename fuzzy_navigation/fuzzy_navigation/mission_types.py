@@ -154,7 +154,7 @@ class Feedback:
         Rung that the present path was found on; 0 before the first path.
     distance_remaining : float
         Length of the path to the goal that is left [m]; the straight distance before the
-        first path, NaN before the first pose.
+        first path, NaN before the first pose and the first goal.
     pose : Pose2 or None
         Where the robot is; None before the first pose.
     hold : str

@@ -57,15 +57,20 @@ class Motion:
     """
 
     def __init__(self, parameters: MotionParameters) -> None:
+        self._follower = Follower(parameters.follower)
+        self.adopt(parameters)
+        self.forget()
+
+    def adopt(self, parameters: MotionParameters) -> None:
+        """Go by other parameters; on the way by those only that `ParameterChange` lets through."""
         self._p = parameters
         self._rule = stop_rule(parameters.clearance, parameters.layer)
         # What the layer says of a cell, the way that is driven through it must keep as well.
         self._floor = ClosingClearance(parameters.layer.closed, parameters.layer.closed)
         aligned = ROUGHLY_ALIGNED if parameters.concurrent else ALIGNED
-        self._follower = Follower(parameters.follower, aligned)
+        self._follower.adopt(parameters.follower, aligned)
         # Clearance beyond which more is no better for where to drive in a cell [m].
         self._enough = parameters.clearance.limit + SPARE if parameters.concurrent else PLENTY
-        self.forget()
 
     def forget(self) -> None:
         """Forget the path."""

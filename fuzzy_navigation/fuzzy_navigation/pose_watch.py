@@ -35,10 +35,14 @@ class PoseWatch:
     """
 
     def __init__(self, watch: WatchParameters, follower: FollowerParameters) -> None:
-        self._p = watch
-        self._limits = follower
+        self.adopt(watch, follower)
         self._since: Pose2 | None = None
         self._commanded = 0.0
+
+    def adopt(self, watch: WatchParameters, follower: FollowerParameters) -> None:
+        """Go by other parameters, those of the constructor."""
+        self._p = watch
+        self._limits = follower
 
     def jump(self, before: Pose2, pose: Pose2, dt: float) -> str:
         """Return how a pose lies farther from the one before than the robot can have come.

@@ -39,8 +39,12 @@ class RingWatch:
 
     def __init__(self, frames: Sequence[str], min_range: float, max_range: float) -> None:
         self._frames = tuple(frames)
-        self._limits = min_range, max_range
+        self.adopt(min_range, max_range)
         self._heard: dict[int, _Heard] = {}
+
+    def adopt(self, min_range: float, max_range: float) -> None:
+        """Go by other limits, those of the constructor."""
+        self._limits = min_range, max_range
 
     def clear(self) -> None:
         """Forget all readings."""

@@ -53,9 +53,22 @@ class Surroundings:
         self._heard = HeardEchoes(parameters.sonar.mount_radius)
         self._phase = _Phase.IDLE
         near, far = parameters.infrared, parameters.sonar
-        self._watches = [RingWatch(near.frame_ids, near.min_range, near.max_range)]
-        if parameters.sonar_guard.enabled:
-            self._watches.append(RingWatch(far.frame_ids, far.min_range, far.max_range))
+        self._both = tuple(RingWatch(r.frame_ids, r.min_range, r.max_range) for r in (near, far))
+
+    def adopt(self, parameters: MotionParameters) -> None:
+        """Go by other parameters of the same sensors; what they told stays."""
+        self._p = parameters
+        for memory in (self._ring, self._memory):
+            memory.adopt(parameters.infrared)
+        self._heard.adopt(parameters.sonar.mount_radius)
+        near, far = parameters.infrared, parameters.sonar
+        self._both[0].adopt(near.min_range, near.max_range)
+        self._both[1].adopt(far.min_range, far.max_range)
+
+    @property
+    def _watches(self) -> Sequence[RingWatch]:
+        """Those of the rings that guard the robot."""
+        return self._both if self._p.sonar_guard.enabled else self._both[:1]
 
     def clear(self) -> None:
         """Forget all readings."""
@@ -63,7 +76,7 @@ class Surroundings:
         self._memory.forget()
         self._echoes.clear()
         self._heard.forget()
-        for watch in self._watches:
+        for watch in self._both:
             watch.clear()
 
     def update(

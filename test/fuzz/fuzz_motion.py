@@ -75,7 +75,7 @@ class Case:
         self.commands = commands
         self.counts = counts
         bench.begin()
-        p = node._settings.values
+        p = node._change.in_force
         self.p = p
         node._ticks = ControlTicks(p.infrared.bearings)
         node._time = PoseTime()
@@ -85,7 +85,7 @@ class Case:
         self.windows = 0
         self.info: dict[str, Any] = {}
         node._last_tick = -math.inf
-        node._missions = node._missions_before = 0
+        node._missions = 0
         node._verdicts.clear()
         node._server._missions.clear()
         node._server._running.clear()

@@ -14,6 +14,7 @@ from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState, Range
 
 from fuzzy_map_building.ros import names, qos
+from fuzzy_map_building.ros.clock import seconds_from_stamp, stamp_from_seconds
 from ros.harness import wait_until
 from ros.motion_scene import RESULT, Scene, goal_at, staged
 
@@ -41,6 +42,8 @@ class Echoes:
         #: where the robot is, which moves on while a starved test sleeps.
         self.fault = "works"
         self.field_of_view = math.radians(25.0)
+        #: How long before the pose that it comes with a range was measured [s].
+        self.before = 0.0
         self._sonar = scene.probe.node.create_publisher(Range, names.SONAR, qos.RANGES)
         self._turret = scene.probe.node.create_publisher(
             JointState, names.JOINT_STATES, qos.JOINT_STATES
@@ -59,7 +62,8 @@ class Echoes:
             # What is too close it tells as it is, though REP 117 has -inf for it.
             distance = math.nan if fault == "faulty" else max(distance, 0.0)
             echo = Range(field_of_view=self.field_of_view, max_range=6.5, range=distance)
-            echo.header.frame_id, echo.header.stamp = "sonar_0", message.header.stamp
+            measured = seconds_from_stamp(message.header.stamp) - self.before
+            echo.header.frame_id, echo.header.stamp = "sonar_0", stamp_from_seconds(measured)
             self._sonar.publish(echo)
 
 
@@ -97,6 +101,16 @@ def test_sonars_guard_the_robot_once_the_guard_is_on(scene: Scene) -> None:
     scene.reset()
     echoes.glass = math.inf  # it has gone
     assert scene.result(scene.send(goal_at(3.5, 1.05))).result.outcome == RESULT.REACHED
+
+    # What was heard before a change of parameters has not to come anew.
+    early = "rejected.sonar.before_pose"
+    scene.reset()
+    before, echoes.before = scene.values().get(early, "0"), 0.02
+    for patience in (20, 25):
+        change(scene, "patience", patience)
+        scene.values()
+    assert scene.values().get(early, "0") == before
+    echoes.before = 0.0
 
     # Who guards the robot must not fall silent, nor report nothing but faults.
     for fault in ("silent", "faulty"):

@@ -7,16 +7,13 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterator
-from typing import Any
 
 import pytest
 from action_msgs.msg import GoalStatus
 from fuzzy_msgs.action import Navigate
 from fuzzy_msgs.srv import PlanPath
 from geometry_msgs.msg import PoseStamped, TwistStamped
-from rcl_interfaces.srv import SetParameters
 from rclpy.action import ActionClient
-from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile
 
 from fuzzy_map_building.ros import names, qos
@@ -341,44 +338,3 @@ def test_a_clock_that_is_set_back_does_no_harm(scene: Scene) -> None:
     scene.robot.time = 1.0
     assert scene.result(handle).result.outcome == RESULT.REACHED
     assert scene.result(scene.send(goal_at(1.5, 1.5))).result.outcome == RESULT.REACHED
-
-
-def test_changed_parameters_hold_once_no_mission_goes_by_the_old(scene: Scene) -> None:
-    handle = scene.go(2.0, 1.5)
-
-    def change(name: str, value: Any) -> Any:
-        asked = SetParameters.Request(parameters=[Parameter(name, value=value).to_parameter_msg()])
-        service = f"{names.MOTION_NODE}/set_parameters"
-        return scene.probe.call(SetParameters, service, asked).results[0]
-
-    assert change("follower.max_linear", 0.2).successful
-    assert change("slim_radius", 0.1).successful
-    refused = change("clearance.override", 0.5)
-    assert not refused.successful
-    assert "clearance.limit" in refused.reason
-    assert not change("infrared.frame_ids", ["a", "b"]).successful
-    assert scene.result(handle).result.outcome == RESULT.REACHED
-    assert max(v for _, v, _ in scene.robot.commands) > 0.3
-    scene.robot.commands.clear()
-    assert scene.result(scene.send(goal_at(3.0, 2.5))).result.outcome == RESULT.REACHED
-    assert max(v for _, v, _ in scene.robot.commands) <= 0.2
-    slim = [(asked.slim_radius, asked.slim_above) for asked in scene.planner.requests]
-    assert slim[0] == (0.0, pytest.approx(0.6))
-    assert slim[-1] == pytest.approx((0.1, 0.6))
-    assert all(asked.any_angle for asked in scene.planner.requests)
-    assert all(asked.any_angle for asked in scene.planner.requests)
-
-
-def test_a_goal_that_is_reached_at_once_ends_a_mission_with_parameters_of_before(
-    scene: Scene,
-) -> None:
-    first = scene.go(3.5, 2.5)
-    asked = SetParameters.Request(parameters=[Parameter("beta", value=0.85).to_parameter_msg()])
-    service = f"{names.MOTION_NODE}/set_parameters"
-    assert scene.probe.call(SetParameters, service, asked).results[0].successful
-    # Two missions end with one goal, and the parameters are taken over after both.
-    answer = scene.result(scene.send(goal_at(2.0, 1.5), tolerance=10.0))
-    assert (answer.status, answer.result.outcome) == (GoalStatus.STATUS_SUCCEEDED, RESULT.REACHED)
-    assert scene.result(first).result.outcome == RESULT.CANCELED
-    assert "Traceback" not in scene.motion.output()
-    assert scene.result(scene.send(goal_at(2.0, 1.5))).result.outcome == RESULT.REACHED

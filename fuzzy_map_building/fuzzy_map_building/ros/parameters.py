@@ -81,11 +81,15 @@ class NodeParameters(Generic[T]):
     on_refusal : callable, optional
         ``on_refusal(source, reason, message)`` for each change at run time that was refused,
         as `Diagnostics.reject` takes it.
+    remark : callable, optional
+        ``remark(names)`` returns what whoever has just set parameters is told of a change that
+        was taken, such as from when on it holds; empty: nothing.
     """
 
     def __init__(self, values: T, on_change: Callable[[T], None] | None) -> None:
         self.values = values
         self.on_refusal: Callable[[str, str, str], None] | None = None
+        self.remark: Callable[[Iterable[str]], str] = lambda _: ""
         self._on_change = on_change
         self._infos = describe(type(values))
 
@@ -244,8 +248,11 @@ def _guard_services(node: Node, parameters: NodeParameters[T]) -> None:
             return f"parameter '{_SIM_TIME}' must be true or false, got {shown(parameter.value)}"
         return ""
 
-    def told(result: SetParametersResult) -> SetParametersResult:
-        if not result.successful and parameters.on_refusal is not None:
+    def told(result: SetParametersResult, *messages: Any) -> SetParametersResult:
+        if result.successful:
+            # rclpy keeps no reason of what was done.
+            result.reason = parameters.remark(message.name for message in messages)
+        elif parameters.on_refusal is not None:
             parameters.on_refusal("set_parameters", "refused", result.reason)
         return result
 
@@ -256,12 +263,13 @@ def _guard_services(node: Node, parameters: NodeParameters[T]) -> None:
             results = [
                 SetParametersResult(successful=False, reason=reason(p)) for p in request.parameters
             ]
+            messages = request.parameters
             good = [i for i, result in enumerate(results) if not result.reason]
-            request.parameters = [request.parameters[i] for i in good]
+            request.parameters = [messages[i] for i in good]
             answered = callback(request, response).results
             for i, result in zip(good, answered, strict=True):
                 results[i] = result
-            response.results = [told(result) for result in results]
+            response.results = [told(*each) for each in zip(results, messages, strict=True)]
             return response
 
         def together(request: Any, response: Any) -> Any:
@@ -272,7 +280,7 @@ def _guard_services(node: Node, parameters: NodeParameters[T]) -> None:
                 )
             else:
                 response = callback(request, response)
-            told(response.result)
+            told(response.result, *request.parameters)
             return response
 
         return each if service.srv_type is SetParameters else together

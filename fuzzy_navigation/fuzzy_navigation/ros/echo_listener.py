@@ -59,6 +59,10 @@ class EchoListener:
         # What waits then is of another time.
         self._jump = on_clock_set_back(node, lambda _: self._assembler.clear())
 
+    def adopt(self, parameters: MotionParameters) -> None:
+        """Go by other parameters of the same sonars and turret; what waits goes on waiting."""
+        self._p = parameters
+
     def close(self) -> None:
         """Hear nothing any more."""
         self._jump.unregister()

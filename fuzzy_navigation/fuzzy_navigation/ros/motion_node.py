@@ -46,14 +46,8 @@ from fuzzy_navigation import clearance_layer, follower
 from fuzzy_navigation.agreement import shared_parameters
 from fuzzy_navigation.concurrent_mission import mission_of
 from fuzzy_navigation.control_tick import SILENCE, ControlTicks, Tick, Untimely
-from fuzzy_navigation.mission_types import (
-    Commands,
-    Drive,
-    Finish,
-    Outcome,
-    Perceive,
-    Plan,
-)
+from fuzzy_navigation.mission_types import Commands, Drive, Finish, Outcome, Perceive, Plan
+from fuzzy_navigation.parameter_change import ParameterChange
 from fuzzy_navigation.params import MOTION_PRESETS, MotionParameters, motion_parameters
 from fuzzy_navigation.planner import PlanResult
 from fuzzy_navigation.pose_time import PoseTime
@@ -93,15 +87,15 @@ class MotionNode(Node):
         self._ticks = ControlTicks(parameters.infrared.bearings, parameters.timeout.pose)
         self._time = PoseTime()
         self._mission = mission_of(parameters)
+        self._change = ParameterChange(parameters)
+        self._settings.remark = self._change.remark
         self._shared = shared_parameters(parameters)
-        self._stale_parameters = False
         self._map: tuple[GridGeometry, float] | None = None  # and its stamp [s]
         self._answered: float | None = None  # stamp of the pose that was acted on last [s]
         self._last_pose = self._last_tick = self._last_report = -math.inf
         self._reported: tuple[object, ...] = ()
         self._held, self._advised = False, ""
         self._missions = 0
-        self._missions_before = 0  # of the mission object that is in use now
         self._verdicts: dict[int, Callable[[Finish], None]] = {}
         self._counts: Counter[str] = Counter()
         self._diagnostics = Diagnostics(self, values=self._values, problem=self._problem)
@@ -192,7 +186,7 @@ class MotionNode(Node):
         self._carry_out(self._mission.on_pose(now, tick.pose, tick.readings, sonar, delay))
 
     def _admit(self, geometry: GridGeometry) -> None:
-        p = self._settings.values
+        p = self._change.in_force
         check_effort(geometry, p.robot_radius, p.augmentation)
 
     def _on_map(self, new: NewMap) -> None:
@@ -231,14 +225,19 @@ class MotionNode(Node):
 
     def _listen(self, parameters: MotionParameters) -> None:
         """Hear the sonars if they guard the motion."""
-        if self._echoes is not None:
-            self._echoes.close()
-        guarded = parameters.sonar_guard.enabled
-        self._echoes = EchoListener(self, parameters, self._diagnostics) if guarded else None
+        if not parameters.sonar_guard.enabled:
+            if self._echoes is not None:
+                self._echoes.close()
+            self._echoes = None
+        elif self._echoes is None:
+            self._echoes = EchoListener(self, parameters, self._diagnostics)
+        else:
+            self._echoes.adopt(parameters)
 
-    def _use_parameters(self, _: MotionParameters) -> None:
-        self._stale_parameters = True
-        self._refresh()
+    def _use_parameters(self, parameters: MotionParameters) -> None:
+        self._take_over(parameters)
+        if waiting := self._change.waiting:
+            self.get_logger().info(self._change.remark(waiting))
 
     # -- goals ------------------------------------------------------------------------------
 
@@ -296,7 +295,8 @@ class MotionNode(Node):
             else:
                 self._finish(command)
         # Not before all is carried out: what follows the end of a mission may be that of the next.
-        self._refresh()
+        if self._change.waiting and not self._mission.active:
+            self._take_over(self._settings.values)
         self._report()
 
     def _drive(self, linear: float, angular: float) -> None:
@@ -309,9 +309,8 @@ class MotionNode(Node):
         self._mapper.cancel()
         self._planner.cancel()
         self._counts[f"missions.{finish.outcome.name.lower()}"] += 1
-        mission = self._missions_before + finish.mission
         verdict = (
-            f"mission {mission} {finish.outcome.name}: {finish.message} "
+            f"mission {finish.mission} {finish.outcome.name}: {finish.message} "
             f"({finish.perceptions} perceptions, {finish.path_length:.2f} m, "
             f"{finish.duration:.1f} s)"
         )
@@ -319,21 +318,17 @@ class MotionNode(Node):
             self.get_logger().info(verdict)
         else:
             self.get_logger().warning(verdict)
-        self._verdicts.pop(mission)(finish)
+        self._verdicts.pop(finish.mission)(finish)
 
-    def _refresh(self) -> None:
-        """Take changed parameters over, as soon as no mission goes by the old ones."""
-        if not self._stale_parameters or self._mission.active:
+    def _take_over(self, wanted: MotionParameters) -> None:
+        """Go by changed parameters, as far as no mission goes by the old ones."""
+        if not self._change.want(wanted, self._mission.active):
             return
-        self._stale_parameters = False
-        known = self._mission.motion_map
-        self._mission = mission_of(self._settings.values)
-        self._ticks.max_age = self._settings.values.timeout.pose
-        self._shared = shared_parameters(self._settings.values)
-        self._listen(self._settings.values)
-        self._missions_before = self._missions
-        if self._map is not None and known is not None:
-            self._mission.on_map(self._now(), self._map[0], known, self._map[1])
+        in_force = self._change.in_force
+        self._mission = mission_of(in_force, self._mission)
+        self._ticks.max_age = in_force.timeout.pose
+        self._shared = shared_parameters(in_force)
+        self._listen(in_force)
 
     # -- what it shows ----------------------------------------------------------------------
 
@@ -362,13 +357,15 @@ class MotionNode(Node):
         feedback = self._mission.feedback()
         values: dict[str, object] = {
             "active": self._mission.active,
-            "phase": feedback.phase.name.lower(),
+            "phase": feedback.phase.name.lower() if self._mission.active else "idle",
             "last_stop": feedback.last_stop.name.lower(),
             "perceptions": feedback.perceptions,
             "alpha": feedback.alpha,
             "distance_remaining": f"{feedback.distance_remaining:.3f}",
             "maps_on_the_way": self._mission.maps_on_the_way,
         }
+        if self._change.waiting:
+            values["parameters_waiting"] = self._change.listed(self._change.waiting)
         if self._map is not None:
             values["map_stamp"] = f"{self._map[1]:.3f}"
         values.update(self._followed.values())

@@ -341,3 +341,32 @@ def test_a_pose_that_jumps_on_the_way_makes_it_stand_and_perceive() -> None:
     script.pose = Pose2(script.pose.x, script.pose.y + 1.0, 0.0)
     assert Drive(0.0, 0.0) in script.tick()
     assert script.mission.phase is Phase.PERCEIVING
+
+
+def test_time_without_a_goal_is_no_silence_of_maps_on_the_way() -> None:
+    script = Concurrent()
+    script.set_out((3.05, 2.05))
+    assert finish_of(script.run()).outcome is Outcome.REACHED
+    for _ in range(math.ceil(2.0 * MAP_SILENCE / DT)):
+        script.tick()
+    script.show_map()  # the newest of those that came meanwhile
+    # The plan is answered before the next pose.
+    script.plan(script.start(*GOAL), cells_along((script.pose.x, script.pose.y), GOAL))
+    script.ticks(20)
+    assert script.mission.phase is Phase.MOVING
+    assert script.mission.advice == ""
+
+
+@pytest.mark.parametrize("age", [0.5 * MAP_SILENCE, 1.5 * MAP_SILENCE])
+def test_a_goal_that_comes_while_the_map_is_of_now_is_set_out_for_without_a_look(
+    age: float,
+) -> None:
+    script = Concurrent()
+    script.set_out((3.05, 2.05))
+    assert finish_of(script.run()).outcome is Outcome.REACHED
+    for _ in range(math.ceil(20.0 / DT)):
+        script.tick()
+    # One that comes late tells of the time of its stamp.
+    script.take(script.mission.on_map(script.now, GEOMETRY, script.risk, script.now - age))
+    (command,) = script.start(*GOAL)
+    assert isinstance(command, Plan if age < MAP_SILENCE else Perceive)
