@@ -33,7 +33,6 @@ from fuzzy_navigation.plan_types import PlanResult, PlanStatus
 from fuzzy_navigation.planned_path import PlannedPath
 
 __all__ = ["Mission"]
-
 #: Longest time between two ticks that the motion is laid out for [s].
 LONGEST_TICK = 0.2
 
@@ -76,7 +75,7 @@ class Mission(MissionState):
         self._advance(now)
         commands: list[Command] = []
         if self.active:
-            commands += self._finish((Outcome.CANCELED, "a newer goal replaced this one"))
+            commands += self._finish((Outcome.CANCELED, verdicts.REPLACED))
         mission = self._record.mission + 1
         self._record = MissionRecord(mission, target, accuracy, self._time.elapsed)
         self._forget()

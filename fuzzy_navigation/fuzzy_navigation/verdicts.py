@@ -12,8 +12,10 @@ from fuzzy_navigation.params import MotionParameters
 from fuzzy_navigation.plan_types import PlanResult, PlanStatus
 
 __all__ = [
+    "REPLACED",
     "Verdict",
     "arrival",
+    "beyond",
     "doubted",
     "exhaustion",
     "no_plan",
@@ -24,18 +26,25 @@ __all__ = [
 
 Verdict = tuple[Outcome, str]
 
+#: Why a mission is cancelled when another goal comes.
+REPLACED = "a newer goal replaced this one"
+
+
+def beyond(goal: Pose2, geometry: GridGeometry) -> str:
+    """Return that a goal lies outside the map, in words; empty if it lies inside."""
+    if geometry.contains(goal.x, goal.y):
+        return ""
+    x0, y0, x1, y1 = geometry.bounds
+    return (
+        f"the goal ({goal.x:.2f}, {goal.y:.2f}) m lies outside the map, which covers "
+        f"x {x0:g} to {x1:g} m and y {y0:g} to {y1:g} m; choose a goal inside"
+    )
+
 
 def outside(record: MissionRecord, geometry: GridGeometry) -> Verdict | None:
     """Return the verdict on a goal outside the map, None if it lies inside."""
-    goal = record.goal
-    if geometry.contains(goal.x, goal.y):
-        return None
-    x0, y0, x1, y1 = geometry.bounds
-    return (
-        Outcome.FAILED,
-        f"the goal ({goal.x:.2f}, {goal.y:.2f}) m lies outside the map, which covers "
-        f"x {x0:g} to {x1:g} m and y {y0:g} to {y1:g} m; choose a goal inside",
-    )
+    message = beyond(record.goal, geometry)
+    return (Outcome.FAILED, message) if message else None
 
 
 def arrival(record: MissionRecord, pose: Pose2) -> Verdict | None:

@@ -58,13 +58,14 @@ REACHED = 0.4
 class Stack:
     """Simulator, bringup, and a client who watches."""
 
-    def __init__(self, folder: Path, seed: int) -> None:
+    def __init__(self, folder: Path, seed: int, concurrent: bool = False) -> None:
         self.probe = Probe()
         self.truth = self.probe.subscribe(PoseStamped, names.GROUND_TRUTH_POSE, qos.RELIABLE)
         self.commands = self.probe.subscribe(Twist, names.CMD_VEL, qos.RELIABLE)
         self.status = {node: Status(self.probe, node) for node in DEFAULTS}
         self.sim = NodeProcess("sim", folder / "sim.log", parameters=SIM | {"seed": seed})
-        arguments = ["--ros-args", "-p", "use_sim_time:=true"]
+        arguments = ["--concurrent"] if concurrent else []
+        arguments += ["--ros-args", "-p", "use_sim_time:=true"]
         self.bringup = NodeProcess("bringup", folder / "bringup.log", arguments=arguments)
         self.bringup.wait_for_output("bringup: started", PATIENCE)
         self.client = self.probe.action_client(Navigate, names.NAVIGATE, PATIENCE)
@@ -168,6 +169,7 @@ def main() -> int:
     parser.add_argument("--minutes", type=float, default=4.0, help="of the attack (default: 4)")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--kind", choices=KINDS, help="only of this kind (default: in turn)")
+    parser.add_argument("--concurrent", action="store_true", help="map while moving")
     parser.add_argument("--keep", type=Path, help="folder for the nodes' logs")
     options = parser.parse_args()
     rng = random.Random(options.seed)
@@ -175,7 +177,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory(prefix="hostile_drive_") as temporary:
         folder = options.keep or Path(temporary)
         folder.mkdir(exist_ok=True)
-        stack = Stack(folder, options.seed)
+        stack = Stack(folder, options.seed, options.concurrent)
         try:
             stranger = Stranger(stack.probe, stack.truth, rng)
             end, number = time.monotonic() + 60.0 * (0.5 if options.quick else options.minutes), 0

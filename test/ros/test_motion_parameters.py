@@ -104,10 +104,29 @@ def test_a_goal_that_is_reached_at_once_ends_a_mission_with_parameters_of_before
     scene: Scene,
 ) -> None:
     first = scene.go(3.5, 2.5)
-    assert change(scene, Parameter("beta", value=0.85))[0].successful
-    # Two missions end with one goal, and the parameters are taken over after both.
+    changed = Parameter("beta", value=0.85), Parameter("slim_radius", value=0.05)
+    assert all(each.successful for each in change(scene, *changed))
+    # Two missions end with one goal, and the parameters hold for the second.
     answer = scene.result(scene.send(goal_at(2.0, 1.5), tolerance=10.0))
     assert (answer.status, answer.result.outcome) == (GoalStatus.STATUS_SUCCEEDED, RESULT.REACHED)
     assert scene.result(first).result.outcome == RESULT.CANCELED
     assert "Traceback" not in scene.motion.output()
     assert scene.result(scene.send(goal_at(2.0, 1.5))).result.outcome == RESULT.REACHED
+    assert scene.planner.requests[-1].slim_radius == pytest.approx(0.05)
+
+
+def test_a_goal_that_takes_the_place_of_another_goes_by_what_waited(scene: Scene) -> None:
+    first = scene.go(3.5, 2.5)
+    change(scene, Parameter("slim_radius", value=0.07))
+    # One that cannot be ends nothing.
+    refused = scene.result(scene.send(goal_at(1.5, 2.0), tolerance=-1.0)).result
+    assert (refused.outcome, scene.values()["phase"]) == (RESULT.FAILED, "moving")
+    second = scene.send(goal_at(1.5, 2.0))
+    replaced = scene.result(first).result
+    assert (replaced.outcome, replaced.message) == (
+        RESULT.CANCELED,
+        "a newer goal replaced this one",
+    )
+    assert "parameters_waiting" not in scene.values()
+    assert scene.result(second).result.outcome == RESULT.REACHED
+    assert scene.planner.requests[-1].slim_radius == pytest.approx(0.07)

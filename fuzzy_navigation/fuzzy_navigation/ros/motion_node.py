@@ -42,10 +42,11 @@ from fuzzy_map_building.ros.conversions import (
 from fuzzy_map_building.ros.diagnostics import Diagnostics
 from fuzzy_map_building.ros.parameters import declare_parameters
 from fuzzy_map_building.ros.run import spin_node
-from fuzzy_navigation import clearance_layer, follower
+from fuzzy_navigation import clearance_layer, follower, verdicts
 from fuzzy_navigation.agreement import shared_parameters
 from fuzzy_navigation.concurrent_mission import mission_of
 from fuzzy_navigation.control_tick import SILENCE, ControlTicks, Tick, Untimely
+from fuzzy_navigation.mission_record import checked_tolerance
 from fuzzy_navigation.mission_types import Commands, Drive, Finish, Outcome, Perceive, Plan
 from fuzzy_navigation.parameter_change import ParameterChange
 from fuzzy_navigation.params import MOTION_PRESETS, MotionParameters, motion_parameters
@@ -237,7 +238,7 @@ class MotionNode(Node):
     def _use_parameters(self, parameters: MotionParameters) -> None:
         self._take_over(parameters)
         if waiting := self._change.waiting:
-            self.get_logger().info(self._change.remark(waiting))
+            self.get_logger().info(self._change.remark(waiting), throttle_duration_sec=LOG_PERIOD)
 
     # -- goals ------------------------------------------------------------------------------
 
@@ -255,13 +256,12 @@ class MotionNode(Node):
         """Begin a mission, see `navigate_server.Begin`; one that runs gives way."""
         try:
             pose = requested_pose(goal, "the goal")
-            if self._map is not None and not self._map[0].contains(pose.x, pose.y):
-                x0, y0, x1, y1 = self._map[0].bounds
-                raise Refused(
-                    "outside",
-                    f"the goal ({pose.x:.2f}, {pose.y:.2f}) m lies outside the map, which covers "
-                    f"x {x0:g} to {x1:g} m and y {y0:g} to {y1:g} m",
-                )
+            if self._map is not None and (reason := verdicts.beyond(pose, self._map[0])):
+                raise Refused("outside", reason)
+            checked_tolerance(tolerance)
+            if self._change.waiting:
+                # What waits for the end of the goal before holds for this one.
+                self._carry_out(self._mission.cancel(self._now(), verdicts.REPLACED))
             commands = self._mission.start(self._now(), pose, tolerance)
         except ValueError as error:
             reason = error.reason if isinstance(error, Refused) else "bad_request"
