@@ -111,7 +111,7 @@ class ConcurrentMission(Mission):
         self._planned_on = 0
         #: Whether the newest plan was asked for by a robot that stood, without a perception.
         self._unseen = False
-        #: Way at the last map that counted as a perception [m].
+        #: Way at the last map that counted as a perception [m]; of missions before, below 0.
         self._way_looked = 0.0
         #: Way at the last stop [m].
         self._way_stopped = 0.0
@@ -181,13 +181,18 @@ class ConcurrentMission(Mission):
         verdict = verdicts.arrival(self._record, self._here)
         if verdict:
             return self._finish(verdict)
-        self._way_looked = self._way_stopped = 0.0
+        self._way_stopped = 0.0
         # Where it had been long idle, or its mapper maps on demand, the map tells of another time.
         outdated = self._time.elapsed - self._map_made > MAP_SILENCE
         if outdated or not self._known.holds(self._here.x, self._here.y):
             return self._perceive()
         self._around.move_on()
         return self._plan_unseen()
+
+    def _finish(self, verdict: verdicts.Verdict) -> list[Command]:
+        # A goal is no look: many in a row must not make the robot forget what it has seen.
+        self._way_looked -= self._record.path_length
+        return super()._finish(verdict)
 
     @property
     def _look_place(self) -> Pose2 | None:
@@ -223,7 +228,7 @@ class ConcurrentMission(Mission):
             self._way_looked = record.path_length
             record.perceived(now, self._here, self._distance_remaining(), on_the_way=True)
             self._tried.perceived(self._known, self._here)
-            self._around.move_on()
+            self._around.look()
             motion.tighten()
             verdict = verdicts.exhaustion(record, self._p, self._distance_remaining())
             if verdict:

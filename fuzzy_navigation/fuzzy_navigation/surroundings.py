@@ -155,8 +155,11 @@ class Surroundings:
             )
 
     def move_on(self) -> None:
-        """Take note of a look on the way: what was seen long ago is forgotten."""
+        """Remember from now on what is seen on the way, with what is remembered."""
         self._phase = _Phase.MOVING
+
+    def look(self) -> None:
+        """Take note of a look on the way: what was seen long ago is forgotten."""
         self._memory.outdate()
 
     def rest(self) -> None:

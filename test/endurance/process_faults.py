@@ -67,7 +67,7 @@ class Fate:
 class Stack:
     """Simulator, bringup, and a client."""
 
-    def __init__(self, folder: Path, seed: int, patience: float) -> None:
+    def __init__(self, folder: Path, seed: int, patience: float, concurrent: bool) -> None:
         self._folder, self._seed, self._sims = folder, seed, 0
         self.probe = Probe()
         self.truth = self.probe.subscribe(PoseStamped, names.GROUND_TRUTH_POSE, qos.RELIABLE)
@@ -77,7 +77,8 @@ class Stack:
         }
         self.sim = self._start_sim()
         log = folder / "bringup.log"
-        arguments = ["--respawn", "1000", "--ros-args", "-p", "use_sim_time:=true"]
+        arguments = ["--respawn", "1000", *(["--concurrent"] if concurrent else [])]
+        arguments += ["--ros-args", "-p", "use_sim_time:=true"]
         if patience > 0.0:
             for limit in ("server", "lost", "plan", "build_map"):
                 rule = f"{names.MOTION_NODE}:timeout.{limit}:={patience:.1f}"
@@ -190,13 +191,14 @@ def main() -> int:
     parser.add_argument("--kills", type=int, default=10, help="of each node (default: 10)")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--patience", type=float, default=0.0, help="of the motion [s]")
+    parser.add_argument("--concurrent", action="store_true", help="map while moving")
     options = parser.parse_args()
     rng = random.Random(options.seed)
     fates = {name: Fate() for name in NODES}
     kills = 1 if options.quick else options.kills
     began, number = time.monotonic(), 0
     with tempfile.TemporaryDirectory(prefix="process_faults_") as folder:
-        stack = Stack(Path(folder), options.seed, options.patience)
+        stack = Stack(Path(folder), options.seed, options.patience, options.concurrent)
         try:
             for _ in range(kills):
                 for name in rng.sample(NODES, len(NODES)):

@@ -7,8 +7,16 @@ from collections.abc import Callable
 
 import numpy as np
 
+from fuzzy_navigation.concurrent_mission import LOOK_SPACING
 from fuzzy_navigation.mission_types import Perceive, Phase
-from unit.fuzzy_navigation.mission_script import Concurrent, cells_along, corridor, plans, wall_at
+from unit.fuzzy_navigation.mission_script import (
+    Concurrent,
+    cells_along,
+    corridor,
+    nothing,
+    plans,
+    wall_at,
+)
 
 GOAL = (5.05, 2.05)
 
@@ -68,3 +76,31 @@ def test_a_robot_that_gets_nowhere_forgets_what_it_passed() -> None:
         script.ticks(10)
     assert max(nearest[:2]) < 1.81
     assert nearest[2] > 3.4
+
+
+def test_goal_after_goal_the_robot_forgets_nothing_that_it_has_not_driven_away_from() -> None:
+    script = Concurrent()
+    script.seen = wall_at(3.0)
+    script.set_out(GOAL)
+    while script.pose.x < 2.4:
+        script.tick()
+    script.seen = nothing  # what only sonars and the past tell of
+    for _ in range(20):
+        script.show_map()
+        (plan,) = plans(script.start(*GOAL))
+        script.ticks(1)
+        assert np.abs(np.array(plan.hits).reshape(-1, 2)[:, 0] - 3.0).min() < 0.01
+    assert script.pose.x < 2.4 + LOOK_SPACING
+
+
+def test_looks_on_the_way_are_counted_by_the_way_whatever_the_goals() -> None:
+    script = Concurrent()
+    script.set_out(GOAL)
+    looks, begun = 0, script.pose.x
+    while script.pose.x < 4.0:
+        script.ticks(10)
+        script.show_map()
+        looks += sum(entry.on_the_way for entry in script.mission.log)
+        way = cells_along((script.pose.x, 2.05), GOAL)
+        script.plan(script.start(*GOAL), way)
+    assert looks == int((script.pose.x - begun) / LOOK_SPACING)
