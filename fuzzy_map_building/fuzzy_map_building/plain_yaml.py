@@ -14,21 +14,25 @@ from typing import Any
 
 import yaml
 
-__all__ = ["PlainLoader", "load_plain", "shown"]
+__all__ = ["NotPlainError", "PlainLoader", "load_plain", "shown"]
 
 
 _REPR = reprlib.Repr()
 _REPR.maxstring = _REPR.maxother = _REPR.maxlong = 100
 
 
+class NotPlainError(ValueError):
+    """YAML that is more than plain values, each written once."""
+
+
 class PlainLoader(yaml.SafeLoader):
     """PyYAML's safe loader, without aliases."""
 
     def compose_node(self, parent: Any, index: Any) -> Any:
-        """Compose a node, or raise ValueError for an alias."""
+        """Compose a node, or raise NotPlainError for an alias."""
         if self.check_event(yaml.AliasEvent):
             event = self.peek_event()  # type: ignore[no-untyped-call]
-            raise ValueError(
+            raise NotPlainError(
                 f"aliases (*{event.anchor[:100]}) are not allowed; write the value out"
             )
         return super().compose_node(parent, index)
@@ -79,4 +83,9 @@ def shown(value: Any) -> str:
 
 
 def _line(error: yaml.YAMLError) -> str:
-    return " ".join(str(error).split())[:500]
+    """Return where the text is wrong and why, in one line."""
+    mark, problem = getattr(error, "problem_mark", None), getattr(error, "problem", None)
+    if mark is None or problem is None:
+        return " ".join(str(error).split())[:500]
+    where = f"line {mark.line + 1}, column {mark.column + 1}"
+    return " ".join(f"{where}: {problem}".split())[:500]

@@ -130,7 +130,7 @@ def test_the_origin_of_a_refused_parameter_is_the_last_that_gave_it(
         ("a: &a {ros__parameters: {}}\nb: *a", "aliases"),
         ("a: 1" + ":0" * 200, "too large|needs the key"),
         ("a: 1", "'a' needs the key 'ros__parameters'"),
-        ("a:\n  ros__parameters:\n    b: 1\n    b: 2\n", "line 4: 'b' is repeated"),
+        ("a:\n  ros__parameters:\n    b: 1\n    b: 2\n", ".yaml: line 4: 'b' is repeated"),
         ("a: {ros__parameters: {}}\na: {ros__parameters: {}}", "line 2: 'a' is repeated"),
         ("!!map a", "is no YAML"),
         ("? [a]\n: 1", "is no YAML"),

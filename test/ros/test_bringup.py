@@ -145,7 +145,10 @@ def test_a_wrong_command_line_is_refused(
 @pytest.mark.parametrize(
     ("content", "reason"),
     [
-        ("fuzzy_mapper:\n  ros__parameters:\n\tmode: continuous\n", "it is no YAML document"),
+        (
+            "fuzzy_mapper:\n  ros__parameters:\n\tmode: continuous\n",
+            "it is no YAML document: line 3",
+        ),
         ("fuzzy_maper: {ros__parameters: {}}", "there is no node 'fuzzy_maper'; did you mean"),
         (
             "fuzzy_mapper: {ros__parameters: {sonar.bearings: [0, 0.5]}}",

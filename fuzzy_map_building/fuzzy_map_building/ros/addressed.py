@@ -20,7 +20,7 @@ from typing import Any, Final
 
 import yaml
 
-from fuzzy_map_building.plain_yaml import PlainLoader, load_plain, shown
+from fuzzy_map_building.plain_yaml import NotPlainError, PlainLoader, load_plain, shown
 from fuzzy_map_building.ros import names
 
 __all__ = ["Addressed", "section_parameters"]
@@ -37,14 +37,16 @@ class _Loader(PlainLoader):
     """YAML in which no key is written twice: rcl takes the last one without a word."""
 
     def construct_mapping(self, node: Any, deep: bool = False) -> dict[Any, Any]:
-        """Return a mapping, or raise ValueError for a repeated key."""
+        """Return a mapping, or raise NotPlainError for a repeated key."""
         seen: set[str] = set()
         # What is no mapping the loader refuses itself.
         for key, _ in node.value if isinstance(node, yaml.MappingNode) else ():
             if not isinstance(key, yaml.ScalarNode):
                 continue
             if key.value in seen:
-                raise ValueError(f"line {key.start_mark.line + 1}: {shown(key.value)} is repeated")
+                raise NotPlainError(
+                    f"line {key.start_mark.line + 1}: {shown(key.value)} is repeated"
+                )
             seen.add(key.value)
         return super().construct_mapping(node, deep)
 

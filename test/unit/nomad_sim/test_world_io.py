@@ -162,7 +162,7 @@ def changed(old, new):
         ("name: hall", "1: hall", "a key must be a text"),
         ("name: hall", "name: &x hall\nnom: *x", r"aliases \(\*x\) are not allowed"),
         ("name: hall", "name: !!python/object:os.system hall", "no YAML document"),
-        ("name: hall", "name: [", "no YAML document"),
+        ("name: hall", "name: [", r"no YAML document: line \d+, column \d+: expected"),
         ("name: hall", "name: 2024-13-45", "a value that cannot be read"),
         ("name: hall", "name: 1:20", r"line 2: 1:20 is 80 to YAML, .* base 60; .*'1:20' if it is"),
         ("size: [6, 4]", "size: [6, 0:04.5]", r"line \d: 0:04.5 is 4.5 to YAML"),
