@@ -12,8 +12,10 @@ import numpy as np
 import pytest
 from builtin_interfaces.msg import Time
 from fuzzy_msgs.msg import OccupancyGridUpdate
+from fuzzy_msgs.srv import MapFile
 from geometry_msgs.msg import PoseStamped, Quaternion, Twist
 from nav_msgs.msg import OccupancyGrid
+from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import JointState, Range
 
 from fuzzy_map_building.grid import GridGeometry, Window
@@ -315,3 +317,10 @@ def test_stamp_carries_into_the_seconds() -> None:
 def test_times_that_no_stamp_can_hold(seconds: float) -> None:
     with pytest.raises(ValueError, match="a stamp lies in"):
         stamp_from_seconds(seconds)
+
+
+def test_the_middleware_cuts_a_name_at_a_nul() -> None:
+    # What the README says of names of map files: no node can see what stood behind.
+    assert b"b" not in serialize_message(MapFile.Request(path="a\0b"))
+    sent = bytes([0, 1, 0, 0, 4, 0, 0, 0]) + b"a\0b\0"  # as others may send it
+    assert deserialize_message(sent, MapFile.Request).path == "a"

@@ -83,3 +83,9 @@ def test_everything_that_is_given_up_is_told_with_its_sensor_and_its_times() -> 
         # The motion has no such parameters.
         assert any("perception." in text for text in explained.values()) == named
         assert "0.5 s" in explained["future"]
+
+
+def test_messages_name_no_classes() -> None:
+    inner = re.compile(r"\b(GridGeometry|MapState|MapWindow|Window|PlanRequest)[.(]|Errno")
+    told = [(where, text) for where, text in texts() if ">>>" not in text]  # but in examples
+    assert [where for where, text in told if inner.search(text)] == []

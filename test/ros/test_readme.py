@@ -38,6 +38,7 @@ from fuzzy_map_building.ros.clock import stamp_from_seconds
 from fuzzy_navigation.params import MotionParameters, PlannerParameters
 from nomad_sim.headless import run_mission
 from nomad_sim.ros.demo_options import parse_options
+from nomad_sim.ros.domain import DOMAINS, RESERVED
 from nomad_sim.ros.params import SimulationParameters
 from nomad_sim.world import MATERIALS
 from nomad_sim.world_io import parse_world, world_names
@@ -142,6 +143,35 @@ def test_make_demo_hands_its_options_on(clone: Path) -> None:
     plain, other = (parse_options(demo_arguments(line)) for line in DEMOS)
     assert (plain.world.name, plain.seed, plain.output) == ("lab", 0, Path("build/demo"))
     assert (other.world.name, other.seed, other.output) == ("office", 3, Path("build/office"))
+
+
+def test_the_domains_are_those_of_the_demonstration() -> None:
+    told = " ".join(README.split())
+    assert f"a ROS domain of its own, from {RESERVED[0]} to {RESERVED[-1]}, and says which" in told
+    assert f"`--domain` chooses one from {DOMAINS[0]} to {DOMAINS[-1]}." in told
+
+
+def test_make_shell_asks_for_a_prompt_only_where_somebody_types(tmp_path: Path) -> None:
+    _, command = made("make shell")
+    runner = tmp_path / ".ci" / "in_environment"
+    runner.parent.mkdir()
+    runner.write_text('#!/bin/sh\nshift\necho "options: $*."\n')
+    runner.chmod(0o755)
+    terminal, end = os.openpty()
+    try:
+        for stdin, options in ((subprocess.DEVNULL, "options: .\n"), (end, "options: -i.\n")):
+            done = subprocess.run(
+                ["sh", "-c", command],
+                cwd=tmp_path,
+                stdin=stdin,
+                capture_output=True,
+                text=True,
+                check=True,
+            )
+            assert done.stdout == options
+    finally:
+        os.close(terminal)
+        os.close(end)
 
 
 @pytest.mark.timeout(LONG + 20.0)
