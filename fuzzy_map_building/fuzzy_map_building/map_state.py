@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.plain_yaml import shown
+from fuzzy_map_building.wording import counted
 
 __all__ = ["MAX_PERCEPTIONS", "MapState"]
 
@@ -75,6 +76,6 @@ class MapState:
             )
         if self.perceptions < int(self.count.max()):
             raise ValueError(
-                f"a cell counts {int(self.count.max())} perceptions, more than the "
+                f"a cell counts {counted(int(self.count.max()), 'perception')}, more than the "
                 f"{self.perceptions} of the map"
             )

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from fuzzy_map_building.grid import GridGeometry, Window
 from fuzzy_map_building.types import Pose2
+from fuzzy_map_building.wording import counted
 from fuzzy_navigation.any_angle import pulled_straight
 from fuzzy_navigation.clearance_layer import clearance_layer
 from fuzzy_navigation.kept_map import KeptMap, MapLike
@@ -237,7 +238,7 @@ class Planner:
             message = _no_path(request, goal_blocked) + self._closed_by_request(query, layer, last)
             return PlanResult(PlanStatus.NO_PATH, message, alpha=last)
         chosen: tuple[Rungs, float, SearchResult] = rungs, rung, result
-        message = f"path of {len(result.path)} cells at alpha {rung:g}"
+        message = f"path of {counted(len(result.path), 'cell')} at alpha {rung:g}"
         if rung > request.rungs[0]:
             dearer = found[request.rungs[0]] is not None
             message += (

@@ -49,6 +49,7 @@ from fuzzy_map_building.ros.parameters import declare_parameters
 from fuzzy_map_building.ros.run import spin_node
 from fuzzy_map_building.ros.snapshots import SnapshotWriter
 from fuzzy_map_building.types import RangeReading, SonarReading
+from fuzzy_map_building.wording import counted
 
 __all__ = ["MapperNode", "main"]
 
@@ -271,7 +272,7 @@ class MapperNode(Node):
             self._mapper.perceptions,
             0,
             0,
-            f"none of {len(readings)} readings gave evidence ({reasons})",
+            f"none of {counted(len(readings), 'reading')} gave evidence ({reasons})",
         )
 
     def _forget_readings(self) -> None:

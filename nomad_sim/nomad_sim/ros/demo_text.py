@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from fuzzy_map_building.wording import counted
 from fuzzy_navigation.mission_types import LogEntry, Phase
 from fuzzy_navigation.ros.processes import DISCOVERY_RANGE
 from nomad_sim.mission_report import entry_line
@@ -44,7 +45,7 @@ def print_end(
     else:
         print(
             f"{verdict.outcome.name} (true: {options.expected}): {verdict.message}\n"
-            f"{verdict.perceptions} perceptions, {verdict.path_length:.2f} m, "
+            f"{counted(verdict.perceptions, 'perception')}, {verdict.path_length:.2f} m, "
             f"{verdict.duration:.1f} s simulated in {durations['mission']:.1f} s"
         )
     print(

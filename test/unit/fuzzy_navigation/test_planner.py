@@ -174,6 +174,7 @@ def test_where_the_robot_stands_at_its_goal_the_path_is_its_cell():
                 for tolerance in (1e-6, 0.3):
                     result = planner.plan(place, place, tolerance=tolerance)
                     assert len(result.path) == 1
+                    assert result.message.startswith("path of 1 cell at alpha")
                     pose = result.poses[0]
                     assert max(abs(pose.x - place[0]), abs(pose.y - place[1])) <= 0.05 + 1e-9
 
