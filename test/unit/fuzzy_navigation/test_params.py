@@ -88,7 +88,7 @@ def test_overrides_come_on_top():
         (planner_parameters, {"epsilon": math.nan}, "epsilon.*finite"),
         (planner_parameters, {"epsilon": 0.0}, "epsilon"),
         (planner_parameters, {"robot_radius": -0.1}, "robot_radius.*at least"),
-        (planner_parameters, {"tolerance": "far"}, "tolerance.*float"),
+        (planner_parameters, {"tolerance": "far"}, "tolerance.*must be a number"),
         (planner_parameters, {"alpha_ladder": []}, "alpha_ladder.*at least one"),
         (planner_parameters, {"alpha_ladder": [0.6, 0.6]}, "alpha_ladder.*rise"),
         (planner_parameters, {"alpha_ladder": [0.0, 0.6]}, "alpha_ladder.*above 0"),
@@ -99,7 +99,7 @@ def test_overrides_come_on_top():
         (motion_parameters, {"infrared.frame_ids": ["a"] * 16}, "names a frame twice"),
         (motion_parameters, {"infrared.min_range": 0.7}, "min_range.*below.*max_range"),
         (motion_parameters, {"follower.max_linear": 0.0}, "max_linear"),
-        (motion_parameters, {"perception_cap": 2.5}, "perception_cap.*int"),
+        (motion_parameters, {"perception_cap": 2.5}, "perception_cap.*must be a whole number"),
         (motion_parameters, {"timeout.pose": -1.0}, "timeout|pose"),
     ],
 )
