@@ -172,6 +172,8 @@ class ConcurrentMission(Mission):
     def _watch(self) -> list[Command]:
         time = self._time.elapsed
         if self._state is State.MOVING:
+            if self._hold.reason:
+                self._mapped_at = time  # what it waits for, the mapper may miss as well
             self._unmapped |= time - self._mapped_at > MAP_SILENCE
             if self._request.overdue(time):
                 self._request.settle()

@@ -236,9 +236,12 @@ class MotionNode(Node):
             self._echoes.adopt(parameters)
 
     def _use_parameters(self, parameters: MotionParameters) -> None:
+        before = self._change.waiting
         self._take_over(parameters)
-        if waiting := self._change.waiting:
-            self.get_logger().info(self._change.remark(waiting), throttle_duration_sec=LOG_PERIOD)
+        waiting = self._change.waiting
+        if not set(waiting) <= set(before):
+            remark = self._change.remark(waiting)
+            self.get_logger().info(remark, throttle_duration_sec=LOG_PERIOD)
 
     # -- goals ------------------------------------------------------------------------------
 

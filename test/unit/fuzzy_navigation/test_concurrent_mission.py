@@ -370,3 +370,17 @@ def test_a_goal_that_comes_while_the_map_is_of_now_is_set_out_for_without_a_look
     script.take(script.mission.on_map(script.now, GEOMETRY, script.risk, script.now - age))
     (command,) = script.start(*GOAL)
     assert isinstance(command, Plan if age < MAP_SILENCE else Perceive)
+
+
+def test_time_without_poses_is_no_silence_of_maps_on_the_way() -> None:
+    script = Concurrent()
+    script.set_out(GOAL)
+    script.ticks(10)
+    for _ in range(math.ceil(1.5 * MAP_SILENCE / DT)):
+        script.now += DT
+        script.take(script.mission.on_tick(script.now))
+    assert "no pose" in script.mission.feedback().hold
+    script.ticks(5)
+    assert script.mission.advice == ""
+    script.ticks(math.ceil(MAP_SILENCE / DT))  # it drives again, and still no map comes
+    assert script.mission.advice
