@@ -39,8 +39,8 @@ def test_overrides_have_the_last_word():
         ("infrared.bearings", (), "16 sensors but 'infrared.bearings' gives 0"),
         ("robot.radius", 0.0, "at least 0.01"),
         ("seed", -1, "at least 0"),
-        ("seed", 1.5, "type int"),
-        ("noise", 1, "type bool"),
+        ("seed", 1.5, "must be a whole number"),
+        ("noise", 1, "must be true or false"),
     ],
 )
 def test_bad_values_are_refused_by_name(name, value, message):

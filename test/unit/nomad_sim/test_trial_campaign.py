@@ -268,7 +268,7 @@ def test_two_campaigns_do_not_write_to_one_file(tmp_path: Path) -> None:
     ("arguments", "message"),
     [
         ("--generated 0", "--generated must be from 1"),
-        ("--generated many", "invalid int value: 'many'"),
+        ("--generated many", "must be a whole number, got 'many'"),
         ("--generated 2 --world lab", "either --world, --reference, --generated or --floor-plan"),
         ("--generated 2 --floor-plan a.yaml", "either --generated or --floor-plan"),
         ("--generated 2 --kind ofice", "did you mean 'office'"),
