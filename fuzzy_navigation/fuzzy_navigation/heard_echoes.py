@@ -37,8 +37,10 @@ class _Heard(NamedTuple):
     def agrees(self, other: _Heard) -> bool:
         """Whether another return seems to come from there as well, heard from another place."""
         place = other.echo.pose
+        # Asked of each that is kept, and most come from elsewhere.
         return (
-            math.hypot(self.x - other.x, self.y - other.y) <= SAME
+            abs(self.x - other.x) <= SAME
+            and math.hypot(self.x - other.x, self.y - other.y) <= SAME
             and self.echo.pose.distance_to(place.x, place.y) >= APART
         )
 
@@ -100,7 +102,8 @@ class HeardEchoes:
         reach : float
             Distance from its centre [m] that is close.
         """
-        due = [heard for heard in self._again if pose.distance_to(heard.x, heard.y) < reach]
+        here_x, here_y = pose.x, pose.y
+        due = [h for h in self._again if math.hypot(h.x - here_x, h.y - here_y) < reach]
         for heard in due:
             self._again.remove(heard)
         return [heard.echo for heard in due]

@@ -33,6 +33,7 @@ from fuzzy_navigation.plan_types import PlanResult, PlanStatus
 from fuzzy_navigation.planned_path import PlannedPath
 
 __all__ = ["Mission"]
+
 #: Longest time between two ticks that the motion is laid out for [s].
 LONGEST_TICK = 0.2
 
