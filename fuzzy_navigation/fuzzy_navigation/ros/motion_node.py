@@ -382,7 +382,7 @@ class MotionNode(Node):
             return self._mission.advice
         if time.monotonic() - self._last_tick > SILENCE:
             return f"nothing comes by '{names.POSE}': no goal can be served"
-        return self._planner.disagreement
+        return self._followed.problem() or self._planner.disagreement
 
     def _now(self) -> float:
         """Return the mission's time [s]."""
