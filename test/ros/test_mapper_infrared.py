@@ -118,16 +118,23 @@ def test_a_perception_takes_a_sweep_at_each_stand(bench: InfraredBench) -> None:
     stamps = itertools.count(0.0, 0.002)
     angles = PARAMETERS.turret.angles
     for stage, angle in enumerate(angles):
+        calls = itertools.count()
 
-        def all_taken(angle: float = angle, wanted: int = 16 * (stage + 1)) -> bool:
+        def all_taken(
+            angle: float = angle,
+            wanted: int = 16 * (stage + 1),
+            calls: Iterator[int] = calls,
+        ) -> bool:
             # Again and again: ranges may get lost.
             before, between, behind = (next(stamps) for _ in range(3))
+            sonars_too = next(calls) > 0  # with the sonars' last reading the stand is over
             for after in (before, behind):
                 bench.joint(after, angle)
                 bench.pose(after, 2.0, 3.0)
             for sensor in range(16):
                 bench.infrared(between, sensor, 0.4)
-                bench.range(between, sensor, 1.0)
+                if sonars_too:
+                    bench.range(between, sensor, 1.0)
             bench.infrared(between, 99, 0.4)
             return result.done() or wanted in taken
 
