@@ -29,10 +29,7 @@ from fuzzy_map_building.map_grids import MapGrids
 from fuzzy_map_building.mapper import FuzzyMapper, warm_up
 from fuzzy_map_building.packet import ReadingAssembler
 from fuzzy_map_building.params import (
-    DEFAULT_PRESET,
-    PRESETS,
     MapperParameters,
-    mapper_parameters,
 )
 from fuzzy_map_building.perception import PerceptionSequence
 from fuzzy_map_building.ros import conversions, names, qos
@@ -41,11 +38,11 @@ from fuzzy_map_building.ros.build_map_server import BuildMapServer, FusedPacket
 from fuzzy_map_building.ros.clock import create_steady_timer, now_seconds, on_clock_set_back
 from fuzzy_map_building.ros.clock_gate import ClockGate
 from fuzzy_map_building.ros.conversions import Refused
+from fuzzy_map_building.ros.declarations import declare_mapper
 from fuzzy_map_building.ros.diagnostics import Diagnostics
 from fuzzy_map_building.ros.explanations import explanations
 from fuzzy_map_building.ros.map_publisher import MapPublisher
 from fuzzy_map_building.ros.map_services import MapServices
-from fuzzy_map_building.ros.parameters import declare_parameters
 from fuzzy_map_building.ros.run import spin_node
 from fuzzy_map_building.ros.snapshots import SnapshotWriter
 from fuzzy_map_building.types import RangeReading, SonarReading
@@ -62,13 +59,7 @@ class MapperNode(Node):
 
     def __init__(self) -> None:
         super().__init__(names.MAPPER_NODE)
-        self._settings = declare_parameters(
-            self,
-            mapper_parameters,
-            PRESETS,
-            default_preset=DEFAULT_PRESET,
-            on_change=self._use_parameters,
-        )
+        self._settings = declare_mapper(self, on_change=self._use_parameters)
         p = self._settings.values
         warm_up()  # before the first packet, which would otherwise wait for the compiler
         self._mapper = FuzzyMapper(p.area.geometry(), p)

@@ -1,17 +1,17 @@
 # Copyright 2026 The fuzzy navigation maintainers
 # SPDX-License-Identifier: Apache-2.0
-"""What mapper, planner and motion declare, for who starts them as processes and asks before."""
+"""What planner and motion declare, and for who starts all nodes whether each takes it."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any, Final
+import functools
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Final, TypeAlias
 
 from rclpy.node import Node
 
-from fuzzy_map_building.params import DEFAULT_PRESET, mapper_parameters
-from fuzzy_map_building.params import PRESETS as MAPPER_PRESETS
 from fuzzy_map_building.ros import names
+from fuzzy_map_building.ros.declarations import declare_mapper
 from fuzzy_map_building.ros.parameters import declare_parameters
 from fuzzy_map_building.ros.rehearsal import check_parameters
 from fuzzy_navigation.params import (
@@ -21,30 +21,30 @@ from fuzzy_navigation.params import (
     planner_parameters,
 )
 
-__all__ = ["DECLARATIONS", "refusals"]
+__all__ = ["DECLARATIONS", "Declaration", "declare_motion", "declare_planner", "refusals"]
 
-#: Name of each node by process, and what declares its parameters.
-DECLARATIONS: Final[Mapping[str, tuple[str, Callable[[Node], Any]]]] = {
-    "mapper": (
-        names.MAPPER_NODE,
-        lambda node: declare_parameters(
-            node, mapper_parameters, MAPPER_PRESETS, default_preset=DEFAULT_PRESET
-        ),
-    ),
-    "planner": (
-        names.PLANNER_NODE,
-        lambda node: declare_parameters(node, planner_parameters, PLANNER_PRESETS),
-    ),
-    "motion": (
-        names.MOTION_NODE,
-        lambda node: declare_parameters(node, motion_parameters, MOTION_PRESETS),
-    ),
+#: Name of a node, and what declares its parameters.
+Declaration: TypeAlias = tuple[str, Callable[[Node], Any]]
+
+#: `declare_parameters` of a node that is a planner, or the motion.
+declare_planner = functools.partial(
+    declare_parameters, factory=planner_parameters, presets=PLANNER_PRESETS
+)
+declare_motion = functools.partial(
+    declare_parameters, factory=motion_parameters, presets=MOTION_PRESETS
+)
+
+#: By process.
+DECLARATIONS: Final[Mapping[str, Declaration]] = {
+    "mapper": (names.MAPPER_NODE, declare_mapper),
+    "planner": (names.PLANNER_NODE, declare_planner),
+    "motion": (names.MOTION_NODE, declare_motion),
 }
 
 
 def refusals(
     arguments: Mapping[str, Sequence[str]],
-    declarations: Mapping[str, tuple[str, Callable[[Node], Any]]],
+    declarations: Mapping[str, Declaration],
     domain: int | None = None,
 ) -> list[str]:
     """Return what nodes would say that refuse their parameters; empty if all take them.
@@ -58,12 +58,10 @@ def refusals(
     domain : int, optional
         ROS domain; None: that of this process.
     """
-
-    def told() -> Iterable[str]:
-        for process, (name, declare) in declarations.items():
-            try:
-                check_parameters(name, declare, arguments[process], domain)
-            except ValueError as error:
-                yield " ".join(str(error).split())
-
-    return list(told())
+    told = []
+    for process, (name, declare) in declarations.items():
+        try:
+            check_parameters(name, declare, arguments[process], domain)
+        except ValueError as error:
+            told.append(" ".join(str(error).split()))
+    return told

@@ -40,7 +40,6 @@ from fuzzy_map_building.ros.conversions import (
     twist_to_msg,
 )
 from fuzzy_map_building.ros.diagnostics import Diagnostics
-from fuzzy_map_building.ros.parameters import declare_parameters
 from fuzzy_map_building.ros.run import spin_node
 from fuzzy_navigation import clearance_layer, follower, verdicts
 from fuzzy_navigation.agreement import shared_parameters
@@ -49,10 +48,11 @@ from fuzzy_navigation.control_tick import SILENCE, ControlTicks, Tick, Untimely
 from fuzzy_navigation.mission_record import checked_tolerance
 from fuzzy_navigation.mission_types import Commands, Drive, Finish, Outcome, Perceive, Plan
 from fuzzy_navigation.parameter_change import ParameterChange
-from fuzzy_navigation.params import MOTION_PRESETS, MotionParameters, motion_parameters
+from fuzzy_navigation.params import MotionParameters
 from fuzzy_navigation.planner import PlanResult
 from fuzzy_navigation.pose_time import PoseTime
 from fuzzy_navigation.risk import check_effort
+from fuzzy_navigation.ros.declarations import declare_motion
 from fuzzy_navigation.ros.echo_listener import EchoListener
 from fuzzy_navigation.ros.faulty_ranges import usable
 from fuzzy_navigation.ros.followed_map import FollowedMap, NewMap, NewWindow
@@ -77,9 +77,7 @@ class MotionNode(Node):
 
     def __init__(self) -> None:
         super().__init__(names.MOTION_NODE)
-        self._settings = declare_parameters(
-            self, motion_parameters, MOTION_PRESETS, on_change=self._use_parameters
-        )
+        self._settings = declare_motion(self, on_change=self._use_parameters)
         parameters = self._settings.values
         # Before the first tick, which would otherwise wait for the compiler.
         for kernels in (sonar_guard, clearance_layer, follower):

@@ -27,13 +27,13 @@ from fuzzy_map_building.ros import names, qos
 from fuzzy_map_building.ros.clock import seconds_from_stamp
 from fuzzy_map_building.ros.conversions import Refused, path_to_msg
 from fuzzy_map_building.ros.diagnostics import Diagnostics
-from fuzzy_map_building.ros.parameters import declare_parameters
 from fuzzy_map_building.ros.run import spin_node
 from fuzzy_navigation import any_angle, clearance_layer, search
 from fuzzy_navigation.agreement import shared_parameters
-from fuzzy_navigation.params import PLANNER_PRESETS, PlannerParameters, planner_parameters
+from fuzzy_navigation.params import PlannerParameters
 from fuzzy_navigation.planner import Planner, PlanResult, PlanStatus
 from fuzzy_navigation.risk import check_effort
+from fuzzy_navigation.ros.declarations import declare_planner
 from fuzzy_navigation.ros.followed_map import FollowedMap, NewMap, NewWindow
 from fuzzy_navigation.ros.requests import requested_pose
 
@@ -55,9 +55,7 @@ class PlannerNode(Node):
 
     def __init__(self) -> None:
         super().__init__(names.PLANNER_NODE)
-        self._settings = declare_parameters(
-            self, planner_parameters, PLANNER_PRESETS, on_change=self._use_parameters
-        )
+        self._settings = declare_planner(self, on_change=self._use_parameters)
         self._planner = Planner(_NOWHERE, self._settings.values)
         self._map_stamp: Time | None = None
         self._answers: Counter[str] = Counter()

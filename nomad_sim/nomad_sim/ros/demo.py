@@ -18,25 +18,26 @@ from typing import Final
 
 from fuzzy_map_building.parameter_schema import describe
 from fuzzy_map_building.params import MapperParameters
-from fuzzy_map_building.ros.parameters import PRESET, declare_parameters
+from fuzzy_map_building.ros.parameters import PRESET
 from fuzzy_map_building.ros.run import EXIT_REFUSED, StopRequest, stop_on_signals
 from fuzzy_navigation.concurrent_mission import SETTINGS
 from fuzzy_navigation.mission_types import LogEntry, Phase
 from fuzzy_navigation.params import MotionParameters, PlannerParameters
-from fuzzy_navigation.ros.declarations import DECLARATIONS, refusals
+from fuzzy_navigation.ros.declarations import DECLARATIONS, Declaration, refusals
 from fuzzy_navigation.ros.processes import (
     DISCOVERY_RANGE,
     ProcessGroup,
     child_environment,
     python_module,
 )
+from nomad_sim.ros.declarations import declare_simulation
 from nomad_sim.ros.demo_options import NODES, DemoOptions, parse_options
 from nomad_sim.ros.demo_report import clear_output, summarise, write_figures
 from nomad_sim.ros.demo_text import print_end, print_perception, print_start
 from nomad_sim.ros.domain import reserved_domain
 from nomad_sim.ros.mission_record import MissionRecord
 from nomad_sim.ros.mission_watch import spinning
-from nomad_sim.ros.params import SimulationParameters, simulation_parameters
+from nomad_sim.ros.params import SimulationParameters
 
 __all__ = ["main"]
 
@@ -57,12 +58,9 @@ PARAMETERS: Final = {
     "planner": PlannerParameters,
     "motion": MotionParameters,
 }
-_DECLARATIONS: Final = {
+_DECLARATIONS: Final[Mapping[str, Declaration]] = {
     **DECLARATIONS,
-    "sim": (
-        NODES["sim"],
-        lambda node: declare_parameters(node, lambda _, given: simulation_parameters(given)),
-    ),
+    "sim": (NODES["sim"], declare_simulation),
 }
 #: Longest wait for the nodes [s]: the first start on a machine compiles loops in each of them.
 START_TIMEOUT: Final = 120.0

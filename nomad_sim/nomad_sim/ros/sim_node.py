@@ -43,10 +43,10 @@ from fuzzy_map_building.ros.conversions import (
 )
 from fuzzy_map_building.ros.diagnostics import Diagnostics
 from fuzzy_map_building.ros.map_conversions import grid_to_msg
-from fuzzy_map_building.ros.parameters import declare_parameters
 from fuzzy_map_building.ros.run import spin_node
 from nomad_sim.fault_injection import FaultInjector
-from nomad_sim.ros.params import EPOCH, SimulationParameters, simulation_parameters
+from nomad_sim.ros.declarations import declare_simulation
+from nomad_sim.ros.params import EPOCH, SimulationParameters
 from nomad_sim.ros.sensor_publishers import SensorPublishers, stamp_of
 from nomad_sim.ros.tick_gate import TickGate
 from nomad_sim.simulator import Simulator
@@ -76,9 +76,7 @@ class SimNode(Node):
 
     def __init__(self) -> None:
         super().__init__(names.SIMULATOR_NODE)
-        self._settings = declare_parameters(
-            self, lambda _, given: simulation_parameters(given), on_change=self._use_parameters
-        )
+        self._settings = declare_simulation(self, on_change=self._use_parameters)
         values = self._settings.values
         self._world = load_world(values.world)
         start = values.start.pose()
