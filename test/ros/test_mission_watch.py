@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import os
 
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from fuzzy_msgs.action import Navigate
 from rclpy.action import ActionServer
 from rclpy.action.server import ServerGoalHandle
@@ -39,7 +40,19 @@ def test_feedback_that_the_verdict_has_overtaken_counts(probe: Probe) -> None:
     with spinning(on_perception, {}, int(os.environ["ROS_DOMAIN_ID"])) as watch:
         topic = f"{names.NAVIGATE}/_action/feedback"
         late = probe.publisher(FeedbackMessage, topic, qos.RELIABLE)
-        wait_until(lambda: "motion" not in watch.missing, "the action")
+        diagnostics = probe.publisher(DiagnosticArray, names.DIAGNOSTICS, qos.RELIABLE)
+        deaf = DiagnosticStatus(name=names.MOTION_NODE)
+        for _ in range(3):
+            diagnostics.publish(DiagnosticArray(status=[deaf]))
+            wait_until(watch._navigate.server_is_ready, "the action")
+            assert "motion" in watch.missing
+        hears = DiagnosticStatus(name=names.MOTION_NODE, values=[KeyValue(key="ticks", value="1")])
+
+        def there() -> bool:
+            diagnostics.publish(DiagnosticArray(status=[hears]))
+            return "motion" not in watch.missing
+
+        wait_until(there, "a motion that hears the robot")
         watch.send_goal((2.0, 1.0))
         wait_until(watch.over.is_set, "the verdict")
         assert watch.record.verdict is not None

@@ -83,6 +83,7 @@ class MissionWatch(Node):
         self.record = MissionRecord()
         self.failure = ""
         self.over = threading.Event()
+        self._motion_hears = False
         self._on_perception = on_perception
         self._wanted = wanted
         self._parameter_clients = {
@@ -115,12 +116,16 @@ class MissionWatch(Node):
 
     @property
     def missing(self) -> str:
-        """Which of the four nodes are not there yet, '' when all are."""
+        """Which of the four nodes are not there yet, '' when all are.
+
+        The motion is there once it hears the robot: as fast as possible, much of the robot's
+        time may pass before, in which a goal would be given up.
+        """
         there = {
             "sim": self.record.pose is not None and bool(self.record.simulator),
             "mapper": bool(self.record.motion_maps) and self._build_map.server_is_ready(),
             "planner": self._plan_path.service_is_ready(),
-            "motion": self._navigate.server_is_ready(),
+            "motion": self._motion_hears and self._navigate.server_is_ready(),
         }
         there.update(
             (node, client.service_is_ready())
@@ -203,6 +208,8 @@ class MissionWatch(Node):
         for status in message.status:
             if status.name == names.SIMULATOR_NODE:
                 self.record.simulator = {pair.key: pair.value for pair in status.values}
+            elif status.name == names.MOTION_NODE:
+                self._motion_hears |= any(pair.key == "ticks" for pair in status.values)
 
     def _on_map(self, maps: list[MapSnapshot], message: OccupancyGrid) -> None:
         maps.append(MapSnapshot(seconds_from_stamp(message.header.stamp), *grid_from_msg(message)))
