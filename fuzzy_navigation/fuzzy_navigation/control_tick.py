@@ -122,7 +122,8 @@ class ControlTicks:
             raise Untimely(
                 "late",
                 f"pose is stamped {stamp:.3f} s, {now - stamp:.3f} s behind the clock, more than "
-                f"{self.max_age:g} s: synchronise the clocks, or find what delays it",
+                f"{self.max_age:g} s: synchronise the clocks (is use_sim_time set alike?), or "
+                "find what delays it",
             )
         newest = self._poses.newest
         if newest is not None and stamp <= newest:

@@ -114,11 +114,12 @@ def _run(options: Options) -> int:
             continue
         if batch.method is not None:
             print(row_line(batch.name, batch.method, MISSIONS, one.summary))
-            for result in one.results:
-                if not result.flawless:
-                    print(f"    seed {result.seed}: {result.outcome}, {result.message}")
         else:
             print("\n".join([*result_lines(one.results), *summary_lines(one.summary)]))
+        for result in one.results:
+            if not result.flawless:
+                print(f"    seed {result.seed}: {result.outcome}, {result.message}")
+                print(f"    {batch.replay_command(result.seed)}")
         sys.stdout.flush()
     if options.as_json:
         print(to_json(campaign_document(done)), end="")

@@ -32,7 +32,7 @@ from rclpy.parameter import parameter_value_to_python
 from rclpy.publisher import Publisher
 
 from fuzzy_map_building.parameter_schema import markdown_table
-from fuzzy_map_building.params import PRESETS, MapperParameters
+from fuzzy_map_building.params import PRESETS, MapperParameters, mapper_parameters
 from fuzzy_map_building.ros import names, qos
 from fuzzy_map_building.ros.clock import stamp_from_seconds
 from fuzzy_navigation.params import MotionParameters, PlannerParameters
@@ -41,7 +41,7 @@ from nomad_sim.ros.demo_options import parse_options
 from nomad_sim.ros.domain import DOMAINS, RESERVED
 from nomad_sim.ros.params import SimulationParameters
 from nomad_sim.world import MATERIALS
-from nomad_sim.world_io import parse_world, world_names
+from nomad_sim.world_io import load_world, parse_world, world_names
 from ros.harness import EXECUTABLES, NodeProcess, Probe, command_of, wait_until
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -227,9 +227,22 @@ def test_a_study(line: str, clone: Path) -> None:
     }
 
 
-def robot_file() -> str:
-    (text,) = (text for text in blocks("yaml") if "ros__parameters" in text)
+def parameter_file(of: str) -> str:
+    """Return the parameter file that speaks of something."""
+    (text,) = (t for t in blocks("yaml") if "ros__parameters" in t and of in t)
     return text
+
+
+def robot_file() -> str:
+    return parameter_file("preset")
+
+
+def test_the_mappers_area_is_that_of_the_other_world() -> None:
+    sections = yaml.safe_load(parameter_file("area"))
+    assert sections["/**"]["ros__parameters"] == {"use_sim_time": True}
+    area = sections[f"/**/{names.MAPPER_NODE}"]["ros__parameters"]
+    mapper = mapper_parameters(overrides=area)
+    assert mapper.area.geometry().bounds == load_world("office").geometry(0.1).bounds
 
 
 def test_bringup_takes_the_robots_parameters(clone: Path, probe: Probe, start_node: Start) -> None:

@@ -178,9 +178,12 @@ def test_a_reference_row_is_held_to_the_share_of_the_method(
     lines = capsys.readouterr().out.splitlines()
     assert "17 of 20" in lines[1]
     assert f"{reached} of 20" in lines[1]
-    flaws = [line.split(":")[0].strip() for line in lines[2:]]
-    first = ["seed 1"] if contacts else []
-    assert flaws == first + [f"seed {seed}" for seed in range(reached + 1, 21)]
+    flaws = [int(line.split(":")[0].split()[1]) for line in lines[2::2]]
+    assert flaws == [1] * bool(contacts) + list(range(reached + 1, 21))
+    for seed, told, again in zip(flaws, lines[2::2], lines[3::2], strict=True):
+        assert told.endswith(", so")
+        assert f"--row gaps_0.75 --preset {PAPER_PRESET}" in again
+        assert f"--replay {seed} --output seed_{seed}" in again
 
 
 @pytest.mark.parametrize(
