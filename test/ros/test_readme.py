@@ -238,7 +238,7 @@ def robot_file() -> str:
 
 
 def test_the_mappers_area_is_that_of_the_other_world() -> None:
-    sections = yaml.safe_load(parameter_file("area"))
+    sections = yaml.safe_load(parameter_file("{area"))
     assert sections["/**"]["ros__parameters"] == {"use_sim_time": True}
     area = sections[f"/**/{names.MAPPER_NODE}"]["ros__parameters"]
     mapper = mapper_parameters(overrides=area)
