@@ -42,10 +42,15 @@ def test_feedback_that_the_verdict_has_overtaken_counts(probe: Probe) -> None:
         late = probe.publisher(FeedbackMessage, topic, qos.RELIABLE)
         diagnostics = probe.publisher(DiagnosticArray, names.DIAGNOSTICS, qos.RELIABLE)
         deaf = DiagnosticStatus(name=names.MOTION_NODE)
-        for _ in range(3):
-            diagnostics.publish(DiagnosticArray(status=[deaf]))
-            wait_until(watch._navigate.server_is_ready, "the action")
-            assert "motion" in watch.missing
+        # Told behind it: once this one is known, so is that the motion hears nothing.
+        behind = DiagnosticStatus(name=names.SIMULATOR_NODE, values=[KeyValue(key="a", value="b")])
+
+        def known() -> bool:
+            diagnostics.publish(DiagnosticArray(status=[deaf, behind]))
+            return bool(watch.record.simulator) and watch._navigate.server_is_ready()
+
+        wait_until(known, "the action and the diagnostics")
+        assert "motion" in watch.missing
         hears = DiagnosticStatus(name=names.MOTION_NODE, values=[KeyValue(key="ticks", value="1")])
 
         def there() -> bool:

@@ -28,9 +28,7 @@ from fuzzy_map_building.map_folder import MapFolder
 from fuzzy_map_building.map_grids import MapGrids
 from fuzzy_map_building.mapper import FuzzyMapper, warm_up
 from fuzzy_map_building.packet import ReadingAssembler
-from fuzzy_map_building.params import (
-    MapperParameters,
-)
+from fuzzy_map_building.params import MapperParameters
 from fuzzy_map_building.perception import PerceptionSequence
 from fuzzy_map_building.ros import conversions, names, qos
 from fuzzy_map_building.ros.backlog import take_waiting

@@ -132,6 +132,14 @@ def test_untimely_poses_and_ranges_are_refused(stamp: float, reason: str) -> Non
     assert due(feed(ticks, 1.0, (1, 2))[-1]) == (1.0, True)
 
 
+def test_a_pose_that_is_too_old_is_refused_with_its_likely_cause() -> None:
+    ticks = ControlTicks(BEARINGS, max_age=0.5)
+    with pytest.raises(Untimely, match=r"0\.600 s behind the clock.*use_sim_time") as refusal:
+        ticks.on_pose(1.6, 1.0, pose_at(1.0))
+    assert refusal.value.reason == "late"
+    ticks.on_pose(1.5, 1.0, pose_at(1.0))  # not older than that
+
+
 def test_an_unknown_clock_refuses_no_stamp() -> None:
     ticks = ControlTicks(())
     assert due(ticks.on_pose(math.inf, 9e8, pose_at(0.0))) == (9e8, True)
