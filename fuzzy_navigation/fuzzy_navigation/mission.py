@@ -29,13 +29,11 @@ from fuzzy_navigation.mission_types import (
     Plan,
     Stop,
 )
+from fuzzy_navigation.mission_waiting import LONGEST_TICK
 from fuzzy_navigation.plan_types import PlanResult, PlanStatus
 from fuzzy_navigation.planned_path import PlannedPath
 
 __all__ = ["Mission"]
-
-#: Longest time between two ticks that the motion is laid out for [s].
-LONGEST_TICK = 0.2
 
 
 class Mission(MissionState):
@@ -74,9 +72,7 @@ class Mission(MissionState):
         target = goal if isinstance(goal, Pose2) else Pose2(*goal)
         accuracy = checked_tolerance(tolerance) or self._p.goal_tolerance
         self._advance(now)
-        commands: list[Command] = []
-        if self.active:
-            commands += self._finish((Outcome.CANCELED, verdicts.REPLACED))
+        commands = self._finish((Outcome.CANCELED, verdicts.REPLACED)) if self.active else []
         mission = self._record.mission + 1
         self._record = MissionRecord(mission, target, accuracy, self._time.elapsed)
         self._forget()
@@ -132,7 +128,8 @@ class Mission(MissionState):
         commands = self._watch()
         jump = self._poses.jump(before, pose, age) if before is not None else ""
         if jump and self._state not in (State.IDLE, State.WAITING):
-            commands += self._jumped(jump)
+            self._around.clear()
+            commands += self._interrupted("the pose jumped", jump)
         elif self._state is State.MOVING:
             commands += self._drive(pose, dt, max(delay, 0.0))
         else:
@@ -308,6 +305,8 @@ class Mission(MissionState):
         """Go on to planning once both the mapper's answer and its map are there."""
         if not (self._answered and self._map_seen):
             return []
+        if deaf := self._around.deaf(now):
+            return self._interrupted("the perception cannot be trusted", deaf)
         self._request.settle()
         self._around.end_perception()
         self._record.perceived(now, self._here, self._distance_remaining())
@@ -337,22 +336,23 @@ class Mission(MissionState):
         self._motion.begin(self._here, path, self._record.goal, reach, vain, hits)
         return self._stopped() if self._motion.stopped is not None else []
 
-    def _jumped(self, jump: str) -> list[Command]:
-        """Stand and perceive anew: neither path nor hit points hold where the robot now is."""
+    def _interrupted(self, what: str, why: str) -> list[Command]:
+        """Stand and perceive anew: what the path rests on does not hold any more."""
         if self._state is State.MOVING:
             self._motion.halt()
             self._record.stopped(Stop.NONE, self._motion.came_on)
         self._state = State.PERCEIVING
-        self._doubts.note(jump)
-        self._around.clear()
-        self._hold.begin(self._time.elapsed, jump)
-        return self._failed_once("the pose jumped", jump) or [Drive(0.0, 0.0)]
+        self._doubts.note(why)
+        self._hold.begin(self._time.elapsed, why)
+        return self._failed_once(what, why) or [Drive(0.0, 0.0)]
 
     def _drive(self, pose: Pose2, dt: float, delay: float) -> list[Command]:
         around, now = self._around, self._time.clock
         speed = self._motion.velocity[0]
         if doubt := around.distrusted(now) or self._poses.frozen(pose, speed, dt):
             return self._stand(doubt)
+        if deaf := around.deaf(now):
+            return self._interrupted("the sonars cannot be trusted", deaf)
         self._hold.end()
         hits, suspected = around.known(now), around.suspected(now)
         v, omega = self._motion.step(pose, hits, dt, suspected, delay)

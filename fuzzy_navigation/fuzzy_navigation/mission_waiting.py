@@ -6,8 +6,10 @@ from __future__ import annotations
 
 import math
 
-__all__ = ["Hold", "MissionTime", "OpenRequest"]
+__all__ = ["LONGEST_TICK", "Hold", "MissionTime", "OpenRequest"]
 
+#: Longest time between two ticks that the motion is laid out for [s].
+LONGEST_TICK = 0.2
 #: Pause before a request that failed is made again [s].
 RETRY_PAUSE = 1.0
 #: A clock that reads less by no more than this [s] has not stepped back.

@@ -154,6 +154,11 @@ class WatchParameters:
         minimum=0.03,
         maximum=1000.0,
     )
+    open_space: bool = parameter(
+        False,
+        doc="whether sonars that guard the robot and have not heard any echo yet may be in open "
+        "space wider than their reach; if not they count as deaf, and the robot stands",
+    )
 
     def __post_init__(self) -> None:
         validate(self)

@@ -15,6 +15,7 @@ from fuzzy_map_building.sonar_guard import guard_points, rim_points
 from fuzzy_map_building.types import InfraredReading, Pose2, SonarReading
 from fuzzy_navigation.clearance import InfraredRing, clearance_at, hit_points
 from fuzzy_navigation.heard_echoes import HeardEchoes
+from fuzzy_navigation.hearing_watch import HearingWatch
 from fuzzy_navigation.hit_memory import HitMemory
 from fuzzy_navigation.params import MotionParameters
 from fuzzy_navigation.ring_watch import RingWatch
@@ -53,6 +54,7 @@ class Surroundings:
         self._heard = HeardEchoes(parameters.sonar.mount_radius)
         self._phase = _Phase.IDLE
         near, far = parameters.infrared, parameters.sonar
+        self._hearing = HearingWatch(len(far.frame_ids), far.mount_radius, far.max_range)
         self._both = tuple(RingWatch(r.frame_ids, r.min_range, r.max_range) for r in (near, far))
 
     def adopt(self, parameters: MotionParameters) -> None:
@@ -62,6 +64,7 @@ class Surroundings:
             memory.adopt(parameters.infrared)
         self._heard.adopt(parameters.sonar.mount_radius)
         near, far = parameters.infrared, parameters.sonar
+        self._hearing.adopt(far.mount_radius, far.max_range)
         self._both[0].adopt(near.min_range, near.max_range)
         self._both[1].adopt(far.min_range, far.max_range)
 
@@ -76,6 +79,7 @@ class Surroundings:
         self._memory.forget()
         self._echoes.clear()
         self._heard.forget()
+        self._hearing.clear()
         for watch in self._both:
             watch.clear()
 
@@ -108,6 +112,8 @@ class Surroundings:
         for watch, readings in zip(self._watches, (infrared, sonar), strict=False):
             watch.update(readings)
         layer, guard = self._p.layer, self._p.sonar_guard
+        if guard.enabled:
+            self._hearing.update(sonar)
         if self._phase is _Phase.STANDING and (layer.enabled or guard.enabled):
             self._memory.stand(infrared, sonar)
         elif self._phase is _Phase.MOVING:
@@ -184,6 +190,10 @@ class Surroundings:
             turn = math.degrees(self._p.watch.stuck_turn)
             return f"the same range for a turn of {turn:.0f} deg or more from {_listed(stuck)}"
         return ""
+
+    def deaf(self, now: float) -> str:
+        """Return why the sonars that guard the robot must be deaf; empty if they need not be."""
+        return self._hearing.deaf(len(self.seen(now)), self._p.watch.open_space)
 
     def nearest(self, now: float, pose: Pose2) -> str:
         """Return which sensor sees what is nearest to the body, and where; empty if none does."""

@@ -32,6 +32,14 @@ def nothing(x: float, y: float, direction: float) -> float:
     return math.inf
 
 
+def hall(x: float, y: float, direction: float) -> float:
+    """Return what sonars hear of the walls of a hall around the map."""
+    across, along = math.cos(direction), math.sin(direction)
+    to_x = ((6.5 if across > 0.0 else -0.5) - x) / across if across != 0.0 else math.inf
+    to_y = ((4.5 if along > 0.0 else -0.5) - y) / along if along != 0.0 else math.inf
+    return min(to_x, to_y)
+
+
 def wall_at(x_wall: float) -> Seen:
     """Return what sensors see of a wall along y."""
 
@@ -78,8 +86,8 @@ class Script:
         self.now = 100.0
         self.pose = Pose2(1.05, 2.05, 0.0)
         self.seen: Seen = nothing
-        #: What 16 sonars see, with the infrareds' bearings, out to 3 m.
-        self.heard: Seen = nothing
+        #: What 16 sonars see, with the infrareds' bearings.
+        self.heard: Seen = hall
         self.risk: NDArray[np.float64] = np.zeros(GEOMETRY.shape)
         self.commands: list[Command] = []
         self.poses: list[Pose2] = []

@@ -15,6 +15,7 @@ from unit.fuzzy_navigation.mission_script import (
     cells_along,
     corridor,
     finish_of,
+    hall,
     paper_script,
     wall_at,
 )
@@ -117,7 +118,7 @@ def test_what_comes_into_sight_on_the_way_moves_the_targets_without_a_stop() -> 
 def test_glass_that_only_sonars_see_stops_it_only_with_the_guard() -> None:
     for guard in (True, False):
         script = script_of(**{"sonar_guard.enabled": guard})
-        script.heard = wall_at(2.45)
+        script.heard = lambda *ray: min(wall_at(2.45)(*ray), hall(*ray))
         script.set_out(GOAL)
         commands = script.run()
         if guard:
