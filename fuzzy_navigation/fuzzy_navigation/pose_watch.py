@@ -82,5 +82,5 @@ class PoseWatch:
             return ""
         return (
             f"the robot was driven for {self._commanded:.2f} m and is still said to be at "
-            f"({pose.x:.2f}, {pose.y:.2f}) m: its pose stays, or something holds it that no sensor sees"
+            f"({pose.x:.2f}, {pose.y:.2f}) m: the pose stays, or something unseen holds the robot"
         )
