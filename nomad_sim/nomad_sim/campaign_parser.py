@@ -27,7 +27,7 @@ _EPILOG = """examples:
 
 exit code: 0 if every verdict was true and nothing was touched (--reference: if each row
 reached at least the method's share and nothing was touched), 1 if not, 2 if the options
-cannot be, 130 after Ctrl-C.
+cannot be or it could not go on to its end, 130 after Ctrl-C.
 """
 
 

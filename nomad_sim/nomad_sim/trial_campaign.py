@@ -54,6 +54,8 @@ def run_trials(
     ------
     ValueError
         If the folder holds trials of another configuration, or one cannot be.
+    OSError
+        If workers or a cluster are lost, or a result cannot be written.
     """
     results: dict[tuple[str, int], TrialResult] = {}
     with ExitStack() as stack:
@@ -73,14 +75,17 @@ def run_trials(
             )
         )
         flaws = 0
-        for result in _run(missing, jobs, cluster):
-            if file is not None:
-                file.add(result)
-            else:
-                results[result.kind, result.mission.seed] = result
-            flaws += not result.flawless
-            bar.set_postfix(flaws=flaws)
-            bar.update()
+        try:
+            for result in _run(missing, jobs, cluster):
+                if file is not None:
+                    file.add(result)
+                else:
+                    results[result.kind, result.mission.seed] = result
+                flaws += not result.flawless
+                bar.set_postfix(flaws=flaws)
+                bar.update()
+        except OSError as error:
+            raise OSError(f"{error}{_kept(len(results), file)}") from error
     ordered = [results[t.kind, t.seed] for t in batch.trials]
     tallies = report(ordered)
     if output is not None:
@@ -91,6 +96,15 @@ def run_trials(
         print(f"{batch.name}: {batch.description}")
         print("\n".join([*report_lines(tallies), *_flaw_lines(batch, ordered)]))
     return 0 if all(result.flawless for result in ordered) else 1
+
+
+def _kept(count: int, file: TrialFile | None) -> str:
+    """Return what is left of a campaign that could not go on, as the end of a sentence."""
+    if count == 0:
+        return ""
+    if file is None:
+        return f"; without --output the {count} missions that were over are lost"
+    return f"; {file.path} keeps the {count} missions so far, the same command goes on from there"
 
 
 def _run(trials: Sequence[Trial], jobs: int, cluster: str | None) -> Iterator[TrialResult]:

@@ -8,7 +8,6 @@ import json
 import math
 import shlex
 import sys
-import threading
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -21,7 +20,6 @@ from fuzzy_map_building.map_server import export_map_server
 from fuzzy_map_building.params import DEFAULT_PRESET
 from nomad_sim import trial_campaign
 from nomad_sim.campaign import main
-from nomad_sim.cluster import run_on_cluster
 from nomad_sim.trial_file import TrialFile
 from nomad_sim.trials import Rules, Trial, TrialResult, run_trial
 
@@ -303,21 +301,6 @@ def test_without_dask_it_is_said_what_is_missing(
     monkeypatch.setitem(sys.modules, "distributed", None)
     assert main(["--generated", "2", "--dask", "tcp://127.0.0.1:1"]) == 2
     assert "pip install distributed" in capsys.readouterr().err
-
-
-def _negative(number: int) -> int:
-    return -number
-
-
-def test_a_cluster_gives_each_result_its_place() -> None:
-    distributed = pytest.importorskip("distributed")
-    before = threading.active_count()
-    with distributed.LocalCluster(
-        n_workers=1, threads_per_worker=2, processes=False, dashboard_address=None
-    ) as cluster:
-        found = dict(run_on_cluster(_negative, [5, 5, 7], cluster.scheduler_address))
-    assert found == {0: -5, 1: -5, 2: -7}
-    assert threading.active_count() <= before + 20
 
 
 def test_a_result_is_one_flat_row(result: TrialResult) -> None:
