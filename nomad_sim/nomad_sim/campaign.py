@@ -37,6 +37,7 @@ from nomad_sim.campaign_table import (
 )
 from nomad_sim.headless import HeadlessMission
 from nomad_sim.missions import MissionResult, run_spec
+from nomad_sim.output_folder import write_result
 from nomad_sim.reference import MISSIONS
 from nomad_sim.trial_campaign import run_trials
 from nomad_sim.workers import run_in_parallel
@@ -90,7 +91,10 @@ def _good_enough(done: BatchResults) -> bool:
 
 
 def _run(options: Options) -> int:
-    """Run batch after batch; show and write what is there after each."""
+    """Run batch after batch; show and write what is there after each.
+
+    What could not be written after one is tried again after the next.
+    """
     if options.output is not None:
         refuse_other_kind(options.output, drawn=options.trials is not None)
     if options.trials is not None:
@@ -98,6 +102,7 @@ def _run(options: Options) -> int:
             options.trials, options.jobs, options.cluster, options.output, options.as_json
         )
     done: list[BatchResults] = []
+    unwritten: OSError | None = None
     table = not options.as_json
     reference = options.batches[0].method is not None
     if table and reference:
@@ -108,22 +113,32 @@ def _run(options: Options) -> int:
             print(f"{batch.name}: {batch.description}; seeds {seeds[0].seed} to {seeds[-1].seed}")
         one = run_batch(batch, options.jobs)
         done.append(one)
+        if table:
+            _show(one)
         if options.output is not None:
-            write_campaign(options.output, done)
-        if not table:
-            continue
-        if batch.method is not None:
-            print(row_line(batch.name, batch.method, MISSIONS, one.summary))
-        else:
-            print("\n".join([*result_lines(one.results), *summary_lines(one.summary)]))
-        for result in one.results:
-            if not result.flawless:
-                print(f"    seed {result.seed}: {result.outcome}, {result.message}")
-                print(f"    {batch.replay_command(result.seed)}")
-        sys.stdout.flush()
+            try:
+                write_campaign(options.output, done)
+                unwritten = None
+            except OSError as error:
+                unwritten = error
     if options.as_json:
-        print(to_json(campaign_document(done)), end="")
+        print(to_json(campaign_document(done)), end="", flush=True)
+    if unwritten is not None:
+        raise unwritten
     return 0 if all(_good_enough(one) for one in done) else 1
+
+
+def _show(one: BatchResults) -> None:
+    """Print a batch as a table, and how to run again what went wrong."""
+    if one.batch.method is not None:
+        print(row_line(one.batch.name, one.batch.method, MISSIONS, one.summary))
+    else:
+        print("\n".join([*result_lines(one.results), *summary_lines(one.summary)]))
+    for result in one.results:
+        if not result.flawless:
+            print(f"    seed {result.seed}: {result.outcome}, {result.message}")
+            print(f"    {one.batch.replay_command(result.seed)}")
+    sys.stdout.flush()
 
 
 def _replay(options: Options) -> int:
@@ -136,27 +151,35 @@ def _replay(options: Options) -> int:
     (spec,) = batch.specs
     mission = spec.mission()
     title = f"{batch.name}, seed {spec.seed}"
+    unwritten: list[OSError] = []
+
+    def draw(now: HeadlessMission, heading: str, name: str) -> None:
+        if options.output is None or unwritten:
+            return
+        try:
+            save_figure(draw_moments([moment_of(now)], heading), options.output / name)
+        except OSError as error:
+            unwritten.append(error)  # told at the end, when there is a verdict
 
     def show(now: HeadlessMission) -> None:
         entry = now.mission.log[-1]
         if not options.as_json:
             print(entry_line(entry), flush=True)
-        if options.every_figure and options.output is not None:
-            file = options.output / f"perception_{entry.perception:03d}.png"
-            save_figure(draw_moments([moment_of(now)], title), file)
+        if options.every_figure:
+            draw(now, title, f"perception_{entry.perception:03d}.png")
 
     log = mission.run(show)
     result = MissionResult.of(log)
-    if options.output is not None:
-        verdict = textwrap.fill(f"{title}: {log.message}", _TITLE_WIDTH)
-        save_figure(draw_moments([moment_of(mission)], verdict), options.output / "mission.png")
-    document = mission_document(batch, result, log.entries)
-    if options.output is not None:
-        (options.output / "mission.json").write_text(to_json(document), encoding="utf-8")
+    document = to_json(mission_document(batch, result, log.entries))
     if options.as_json:
-        print(to_json(document), end="")
+        print(document, end="", flush=True)
     else:
-        print("\n".join([*result_lines([result]), result.message]))
+        print("\n".join([*result_lines([result]), result.message]), flush=True)
+    if options.output is not None:
+        write_result(options.output / "mission.json", document)
+    draw(mission, textwrap.fill(f"{title}: {log.message}", _TITLE_WIDTH), "mission.png")
+    if unwritten:
+        raise unwritten[0]
     return 0 if result.flawless else 1
 
 

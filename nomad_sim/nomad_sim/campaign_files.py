@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import math
 import platform
@@ -18,6 +17,7 @@ from fuzzy_navigation.mission_types import LogEntry
 from nomad_sim.campaign_options import Batch
 from nomad_sim.campaign_table import Summary
 from nomad_sim.missions import MissionResult
+from nomad_sim.output_folder import write_result, write_table
 from nomad_sim.reference import MISSIONS
 
 __all__ = [
@@ -163,22 +163,25 @@ def refuse_other_kind(folder: Path, drawn: bool) -> None:
 
 
 def write_campaign(folder: Path, done: Sequence[BatchResults]) -> list[Path]:
-    """Write campaign.json and missions.csv into a folder, which is made if missing.
+    """Write campaign.json and missions.csv into a folder.
 
     Returns
     -------
     list of Path
         The files.
+
+    Raises
+    ------
+    OSError
+        If one cannot be written; an older one is then still there.
     """
-    folder.mkdir(parents=True, exist_ok=True)
     document, table = folder / "campaign.json", folder / "missions.csv"
-    document.write_text(to_json(campaign_document(done)), encoding="utf-8")
+    write_result(document, to_json(campaign_document(done)))
     columns = ["name", *(field.name for field in fields(MissionResult)), "replay"]
-    with table.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, columns)
-        writer.writeheader()
-        for d in done:
-            for r in d.results:
-                replay = d.batch.replay_command(r.seed)
-                writer.writerow({"name": d.batch.name, **asdict(r), "replay": replay})
+    rows = [
+        {"name": d.batch.name, **asdict(r), "replay": d.batch.replay_command(r.seed)}
+        for d in done
+        for r in d.results
+    ]
+    write_table(table, columns, rows)
     return [document, table]

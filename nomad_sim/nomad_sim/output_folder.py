@@ -1,13 +1,19 @@
 # Copyright 2026 The fuzzy navigation maintainers
 # SPDX-License-Identifier: Apache-2.0
-"""A folder for results, looked at before the work and not after it."""
+"""A folder for results, looked at before the work and not after it, and what is written there."""
 
 from __future__ import annotations
 
+import csv
+import io
 import tempfile
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
-__all__ = ["made_folder"]
+from fuzzy_map_building.map_io import MapFileError, atomic_write
+
+__all__ = ["made_folder", "write_result", "write_table"]
 
 
 def made_folder(text: str) -> Path:
@@ -40,3 +46,34 @@ def made_folder(text: str) -> Path:
     except OSError as error:
         raise ValueError(f"--output {text}: cannot write there: {error.strerror}") from error
     return folder
+
+
+def write_result(file: Path, content: str | bytes) -> None:
+    """Write a file of results, which is the old one until it is the new one as a whole.
+
+    Parameters
+    ----------
+    file : Path
+        In a folder that is there.
+    content : str or bytes
+        All of it; a text is written in UTF-8.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written; the message is for whoever wants the results.
+    """
+    try:
+        with atomic_write(file) as out:
+            out.write(content.encode() if isinstance(content, str) else content)
+    except MapFileError as error:
+        raise OSError(f"{error}; see to that and run the same command again") from error
+
+
+def write_table(file: Path, columns: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> None:
+    """Write a table as CSV, as `write_result` does."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, columns)
+    writer.writeheader()
+    writer.writerows(rows)
+    write_result(file, text.getvalue())

@@ -8,6 +8,7 @@ here touches matplotlib's global state: no ``pyplot``, no chosen backend, no cha
 
 from __future__ import annotations
 
+import io
 import math
 import os
 from collections.abc import Iterator, Sequence
@@ -28,6 +29,7 @@ from numpy.typing import NDArray
 
 from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.types import Pose2
+from nomad_sim.output_folder import write_result
 
 __all__ = ["MAX_LABELS", "Figure", "Panel", "Scene", "draw_panels", "save_figure"]
 
@@ -192,10 +194,17 @@ def save_figure(figure: Figure, path: str | os.PathLike[str], dpi: int = 130) ->
         File to write; an older one is replaced.
     dpi : int
         Dots per inch.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written; an older one is then still there.
     """
+    picture = io.BytesIO()
+    figure.savefig(picture, format="png", dpi=dpi)
     file = Path(path)
     file.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(file, format="png", dpi=dpi)
+    write_result(file, picture.getvalue())
 
 
 def _draw_panel(axes: Axes, panel: Panel, handles: dict[str, Artist]) -> AxesImage | None:

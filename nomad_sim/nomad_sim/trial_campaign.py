@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import csv
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
@@ -16,6 +15,7 @@ from tqdm import tqdm
 
 from nomad_sim.campaign_files import FORMAT, TRIALS_FILE, to_json, versions
 from nomad_sim.cluster import run_on_cluster
+from nomad_sim.output_folder import write_result, write_table
 from nomad_sim.trial_file import TrialFile
 from nomad_sim.trial_report import Tally, report, report_lines
 from nomad_sim.trials import Trial, TrialBatch, TrialResult, run_trial
@@ -88,13 +88,14 @@ def run_trials(
             raise OSError(f"{error}{_kept(len(results), file)}") from error
     ordered = [results[t.kind, t.seed] for t in batch.trials]
     tallies = report(ordered)
-    if output is not None:
-        _write(output, batch, ordered, tallies)
     if as_json:
         print(to_json(_document(batch, ordered, tallies)), end="")
     else:
         print(f"{batch.name}: {batch.description}")
         print("\n".join([*report_lines(tallies), *_flaw_lines(batch, ordered)]))
+    sys.stdout.flush()
+    if output is not None:  # after the report, which needs no room on a disk
+        _write(output, batch, ordered, tallies)
     return 0 if all(result.flawless for result in ordered) else 1
 
 
@@ -157,13 +158,10 @@ def _write(
 ) -> None:
     """Write campaign.json, missions.csv and report.csv."""
     text = to_json(_document(batch, results, tallies))
-    (folder / "campaign.json").write_text(text, encoding="utf-8")
+    write_result(folder / "campaign.json", text)
     tables = {
         "missions.csv": [_row(batch, r) for r in results],
         "report.csv": [asdict(t) for t in tallies],
     }
     for name, rows in tables.items():
-        with (folder / name).open("w", encoding="utf-8", newline="") as file:
-            writer = csv.DictWriter(file, list(rows[0]))
-            writer.writeheader()
-            writer.writerows(rows)
+        write_table(folder / name, list(rows[0]), rows)

@@ -54,7 +54,8 @@ class TrialFile:
     def __init__(self, path: Path, configuration: dict[str, Any]) -> None:
         self.path = path
         self.results: dict[tuple[str, int], TrialResult] = {}
-        self._file = path.open("a+b")
+        # Without a buffer: what could not be written would be tried again when it is closed.
+        self._file = path.open("a+b", buffering=0)
         try:
             self._lock()
             self._read(json.loads(json.dumps({"format": FORMAT, **configuration})))
@@ -99,11 +100,21 @@ class TrialFile:
         self.results = {(r.kind, r.mission.seed): r for r in results}
 
     def _write(self, value: dict[str, Any]) -> None:
-        self._file.write(json.dumps(value).encode() + b"\n")
-        self._file.flush()
+        rest = json.dumps(value).encode() + b"\n"
+        try:
+            while rest:
+                rest = rest[self._file.write(rest) :]
+        except OSError as error:
+            raise OSError(f"cannot write {self.path}: {error.strerror or error}") from error
 
     def add(self, result: TrialResult) -> None:
-        """Append a result."""
+        """Append a result.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written; those before it are on the disk.
+        """
         self._write(asdict(result))
         self.results[result.kind, result.mission.seed] = result
 

@@ -62,14 +62,14 @@ def figure(results: list[dict[str, Any]], file: Path) -> None:
 
 
 def main(arguments: Sequence[str]) -> None:
-    """Write both beside the results."""
+    """Print the table and write both beside the results."""
     results = json.loads(Path(arguments[0]).read_text(encoding="utf-8"))["benchmarks"]
     results = [r for r in results if r["extra_info"]]  # those that did not fail
     folder = Path(arguments[1])
     text = table(results)
+    print(text, flush=True)  # first, for it needs no room on a disk
     (folder / "table.md").write_text(text, encoding="utf-8")
     figure(results, folder / "growth.png")
-    print(text)
 
 
 if __name__ == "__main__":

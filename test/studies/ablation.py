@@ -121,8 +121,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             bool(losses),
             f"in {len(losses)} of {len(cases)} worlds" + "".join(f"; {loss}" for loss in losses),
         )
-    study.figure(_figure(found, cases))
-    return study.finish()
+    return study.finish(_figure(found, cases))
 
 
 def _spec(piece: Piece, case: Case, seed: int) -> MissionSpec:

@@ -134,8 +134,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         max(wrong) <= 5.0,
         f"{max(wrong):.1f} % at most",
     )
-    study.figure(_figure(runs[0]))
-    return study.finish()
+    return study.finish(_figure(runs[0]))
 
 
 def _retreat(run: Run) -> float:

@@ -109,8 +109,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         DURATION / 1.5 <= mean <= 1.5 * DURATION,
         f"{mean:.0f} s",
     )
-    study.figure(_figure(runs[0]))
-    return study.finish()
+    return study.finish(_figure(runs[0]))
 
 
 def _obstructed(run: Run) -> tuple[Watched, ...]:

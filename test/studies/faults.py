@@ -135,8 +135,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     )  # fmt: skip
     mute = [m for m in missions if not m.reached and not m.message]
     study.claim("verdict", "what does not arrive says why", not mute, f"{len(mute)} did not")
-    study.figure(_figure(found, worlds))
-    return study.finish()
+    return study.finish(_figure(found, worlds))
 
 
 def _spec(case: Case, world: str, seed: int) -> MissionSpec:

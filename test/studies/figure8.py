@@ -137,8 +137,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         update <= 0.2,
         f"{1000.0 * update:.1f} ms",
     )
-    study.figure(_figure(runs[0], options.seed))
-    return study.finish()
+    return study.finish(_figure(runs[0], options.seed))
 
 
 def _quality(run: GuidedRun) -> Quality:

@@ -144,8 +144,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     title = f"Simulation 1, seed {options.seed}: robot of {ROBOT_RADIUS:g} m"
     if widening > 0.0:
         title += f", narrow places widened by {widening:g} m"
-    study.figure(draw_paths(run, paths, title))
-    return study.finish()
+    return study.finish(draw_paths(run, paths, title))
 
 
 def _first_passable(seed: int) -> tuple[GuidedRun, float, Paths]:

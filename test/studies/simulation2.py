@@ -160,8 +160,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         condition = f"With an obstacle that is {SLIMMER:g} m slimmer"
         note_others(study, CLAIMS, condition, _paths(slim, EPSILON))
     title = f"Simulation 2, seed {options.seed}: a point"
-    study.figure(draw_paths(runs[0], maps[0], title, VIEW))
-    return study.finish()
+    return study.finish(draw_paths(runs[0], maps[0], title, VIEW))
 
 
 def _paths(run: GuidedRun, epsilon: float) -> Paths | None:

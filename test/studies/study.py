@@ -10,12 +10,14 @@ from __future__ import annotations
 
 import argparse
 import os
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from matplotlib.figure import Figure
 
+from nomad_sim.output_folder import write_result
 from nomad_sim.render import save_figure
 
 #: The paper that is reproduced.
@@ -137,18 +139,14 @@ class Study:
         """Add a remark below the table."""
         self.notes.append(text)
 
-    def figure(self, figure: Figure) -> None:
-        """Write the study's figure."""
-        save_figure(figure, self.options.output / f"{self.name}.png")
-
-    def finish(self) -> int:
-        """Print everything, write the table, and return the exit code."""
+    def finish(self, figure: Figure) -> int:
+        """Print everything, write the table and the figure, and return the exit code."""
         table = self._table()
         held = sum(claim.holds for claim in self.claims)
         lines = [self.title, "=" * len(self.title), f"Paper: {PAPER}.", "", *table, ""]
         lines += [*self.notes, ""] if self.notes else []
         print("\n".join([*lines, *map(str, self.claims)]))
-        print(f"\n{held} of {len(self.claims)} claims hold; written to {self.options.output}")
+        print(f"\n{held} of {len(self.claims)} claims hold", flush=True)
         claims = [
             f"| {c.name} | {c.sentence} | {'holds' if c.holds else '**does not hold**'} "
             f"| {c.found} |"
@@ -156,8 +154,14 @@ class Study:
         ]
         lines += ["| claim | as tested | verdict | found |", "|---|---|---|---|", *claims, ""]
         lines += [f"![{self.title}]({self.name}.png)", ""]
-        self.options.output.mkdir(parents=True, exist_ok=True)
-        (self.options.output / f"{self.name}.md").write_text("\n".join(lines), encoding="utf-8")
+        try:
+            self.options.output.mkdir(parents=True, exist_ok=True)
+            write_result(self.options.output / f"{self.name}.md", "\n".join(lines))
+            save_figure(figure, self.options.output / f"{self.name}.png")
+        except OSError as error:
+            print(f"{self.name}: {error}", file=sys.stderr)
+            return 2
+        print(f"written to {self.options.output}")
         return 0
 
     def _table(self) -> list[str]:

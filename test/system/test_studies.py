@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from fuzzy_map_building.jit import compiled
 from studies.mission_study import crosses_opening, length
@@ -75,7 +76,7 @@ def test_a_claim_that_fails_is_told_and_is_no_error(
     study.row("legs", "4", "5")
     study.claim("legs", "it has as many legs", 4 == 5, "5")
     study.claim("eyes", "it has as many eyes", True, "2")
-    assert study.finish() == 0
+    assert study.finish(Figure()) == 0
     printed = VERDICT.findall(capsys.readouterr().out)
     assert [(verdict, claim) for verdict, claim, _ in printed] == [
         ("does not hold", "legs"),
@@ -84,6 +85,19 @@ def test_a_claim_that_fails_is_told_and_is_no_error(
     assert "| legs     | 4     | 5    |" in (tmp_path / "sample.md").read_text("utf-8")
     with pytest.raises(ValueError, match="3 cells"):
         study.row("legs", "4")
+
+
+def test_a_study_tells_what_it_cannot_write(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    study = Study("sample", "A sample", Options(quick=True, seed=0, output=tmp_path, jobs=1))
+    study.claim("eyes", "it has as many eyes", True, "2")
+    (tmp_path / "sample.md").mkdir()
+    assert study.finish(Figure()) == 2
+    told = capsys.readouterr()
+    assert VERDICT.findall(told.out) == [("holds", "eyes", "it has as many eyes (2)")]
+    assert "written to" not in told.out
+    assert told.err.startswith(f"sample: cannot write '{tmp_path}/sample.md': Is a directory")
 
 
 @pytest.mark.parametrize(

@@ -101,6 +101,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         except NodeFailedError as error:
             print(f"demo: {error}", file=sys.stderr)
             return EXIT_NODE_FAILED
+        except OSError as error:
+            print(f"demo: {error}", file=sys.stderr)
+            return EXIT_REFUSED
         except StoppedError:
             print("demo: stopped", file=sys.stderr)
             return EXIT_STOPPED
@@ -110,9 +113,17 @@ def _demonstrate(options: DemoOptions, stop: StopRequest) -> int:
     began = time.monotonic()
     record, problem, durations = _run(options, stop)
     durations["all"] = time.monotonic() - began
-    figures = write_figures(record, options)
-    success = summarise(record, options, problem, durations, figures)
     print_end(record, options, problem, durations)
+    figures: list[str] = []
+    unwritten: OSError | None = None
+    try:
+        figures = write_figures(record, options)
+    except OSError as error:
+        unwritten = error  # the summary needs less room
+    success = summarise(record, options, problem, durations, figures)
+    if unwritten is not None:
+        raise unwritten
+    print(f"figures and summary: {options.output}", flush=True)
     return 0 if success else EXIT_NOT_TRUE
 
 

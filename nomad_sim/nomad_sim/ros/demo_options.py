@@ -41,7 +41,7 @@ _EPILOG: Final = """\
 exit codes:
   0    the verdict is the true one and the robot touched nothing
   1    another verdict, a contact, or no verdict within --timeout
-  2    refused before anything was started: the line says why
+  2    refused before anything was started, or a file could not be written: the line says why
   3    a node could not start, or ended before its time
   130  stopped by SIGINT (Ctrl-C) or SIGTERM
 No process is left running in any case.

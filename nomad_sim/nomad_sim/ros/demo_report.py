@@ -13,6 +13,7 @@ from typing import Any, Final
 import numpy as np
 
 from nomad_sim.mission_report import Moment, draw_moments
+from nomad_sim.output_folder import write_result
 from nomad_sim.render import Scene, save_figure
 from nomad_sim.ros.demo_options import DemoOptions
 from nomad_sim.ros.mission_record import MapSnapshot, MissionRecord
@@ -51,6 +52,11 @@ def write_figures(record: MissionRecord, options: DemoOptions) -> list[str]:
     """Write a figure for each of the moments and one of all, and return their names.
 
     Nothing is written for a run without a perception.
+
+    Raises
+    ------
+    OSError
+        If one cannot be written.
     """
     moments = [_moment(record, options, k) for k in figure_moments(len(record.log))]
     name = options.world.name
@@ -118,6 +124,11 @@ def summarise(
     -------
     bool
         Whether the verdict is the true one and the robot touched nothing.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written.
     """
     verdict, world = record.verdict, options.world
     contacts = int(record.simulator.get("contacts", 0))
@@ -167,7 +178,7 @@ def summarise(
         "parameters": record.parameters,
     }
     text = json.dumps(_plain(summary), indent=2, allow_nan=False)
-    (options.output / SUMMARY).write_text(text + "\n", encoding="utf-8")
+    write_result(options.output / SUMMARY, text + "\n")
     return success
 
 

@@ -50,7 +50,6 @@ def print_end(
         )
     print(
         f"least clearance {record.simulator['least_clearance']} m, "
-        f"contacts: {record.simulator['contacts']}\n"
-        f"figures and summary: {options.output}",
+        f"contacts: {record.simulator['contacts']}",
         flush=True,
     )

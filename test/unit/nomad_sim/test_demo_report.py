@@ -13,7 +13,7 @@ from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.types import Pose2
 from fuzzy_navigation.mission_types import LogEntry, Outcome, Stop
 from nomad_sim.mission_report import Moment
-from nomad_sim.ros import demo_report
+from nomad_sim.ros import demo, demo_report
 from nomad_sim.ros.demo_options import DemoOptions, parse_options
 from nomad_sim.ros.demo_report import clear_output, figure_moments, summarise, write_figures
 from nomad_sim.ros.mission_record import MapSnapshot, MissionRecord, Verdict
@@ -113,3 +113,26 @@ def test_results_of_an_earlier_run_are_removed_and_nothing_else(tmp_path: Path) 
         (tmp_path / name).touch()
     clear_output(tmp_path)
     assert {file.name for file in tmp_path.iterdir()} == {"notes.txt", "mine.png"}
+
+
+@pytest.mark.parametrize("file", ["maps.png", "summary.json"])
+def test_a_verdict_is_told_before_it_is_written(
+    file: str,
+    options: DemoOptions,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    def pretended(*_: object) -> tuple[MissionRecord, str, dict[str, float]]:
+        (options.output / file).mkdir()
+        return record_of(2), "", {"mission": 1.0}
+
+    monkeypatch.setattr(demo, "_run", pretended)
+    assert demo.main(["--world", "lab_person", "--output", str(options.output)]) == 2
+    told = capsys.readouterr()
+    assert "REACHED (true: reached): there" in told.out
+    assert "figures and summary" not in told.out
+    assert told.err.startswith(f"demo: cannot write '{options.output}/{file}': Is a directory; ")
+    assert told.err.count("\n") == 1
+    if file != "summary.json":
+        summary = json.loads((options.output / "summary.json").read_text())
+        assert (summary["success"], summary["figures"]) == (True, [])
