@@ -115,3 +115,59 @@ def test_every_study_minds_signals_first() -> None:
         text = file.read_text()
         if "__main__" in text:
             assert text.index("import quiet_end") < text.index("# isort: split"), file.name
+
+
+#: A program whose report is more than any buffer holds, and which then writes its results.
+REPORTER = """
+import sys
+from pathlib import Path
+def main():
+    for _ in range(20000):
+        print("a line of the report")
+    sys.stdout.flush()
+    Path(sys.argv[1]).write_text("results")
+    code = int(sys.argv[2])
+    if len(sys.argv) > 3:
+        sys.exit(code)
+    return code
+"""
+BEGIN = "import sys; from fuzzy_map_building.ros.entry import start; sys.exit(start('reporter'))"
+
+
+@pytest.mark.parametrize("left", [[], ["by an exception"]])
+@pytest.mark.parametrize(
+    ("output", "code", "ended", "told"),
+    [
+        ("kept", 0, 0, ""),
+        ("kept", 1, 1, ""),
+        ("full", 0, 2, "-c: cannot write to standard output: No space left on device\n"),
+        ("full", 1, 1, "-c: cannot write to standard output: No space left on device\n"),
+        ("unheard", 0, 141, ""),
+        ("unheard", 3, 3, ""),
+        ("closed", 0, 0, ""),
+    ],
+)
+def test_a_program_whose_output_fails_does_its_work_to_the_end(
+    output: str, code: int, ended: int, told: str, left: list[str], tmp_path: Path
+) -> None:
+    (tmp_path / "reporter.py").write_text(REPORTER)
+    results, kept = tmp_path / "results", tmp_path / "kept"
+    command = [sys.executable, "-c", BEGIN, str(results), str(code), *left]
+    redirected = {
+        "kept": f'"$@" > {kept}',
+        "full": '"$@" > /dev/full',
+        # The reader is gone before the program begins.
+        "unheard": 'mkfifo pipe; exec 3<> pipe 4> pipe 3<&-; "$@" >&4 4>&-',
+        "closed": '"$@" >&-',
+    }[output]
+    done = subprocess.run(
+        ["sh", "-c", redirected, "sh", *command],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=60.0,
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (ended, "", told)
+    assert results.read_text() == "results"
+    if output == "kept":
+        assert kept.read_text() == "a line of the report\n" * 20000

@@ -8,12 +8,77 @@ the process as cleanly as one that comes later: this module imports nothing that
 
 from __future__ import annotations
 
+import errno
 import importlib
+import io
 import os
 import signal
+import sys
 from types import FrameType
+from typing import Any
 
 __all__ = ["mapper", "start"]
+
+#: Exit codes of a program that has done its work but could not tell all of it: nobody listens
+#: any more (as of one that SIGPIPE ends), or it cannot be written.
+_NOBODY_LISTENS = 128 + signal.SIGPIPE
+_UNTOLD = 2
+
+
+class _Output(io.RawIOBase):
+    """Standard output which, when it fails, fails once and at the end.
+
+    What a closed pipe or a full disk does to a line must not keep results from their files.
+    """
+
+    def __init__(self, stream: Any) -> None:
+        self._stream = stream  # whose descriptor is closed with it
+        self._descriptor: int = stream.fileno()
+        self.problem: OSError | None = None
+
+    def fileno(self) -> int:
+        return self._descriptor
+
+    def isatty(self) -> bool:
+        return os.isatty(self._descriptor)
+
+    def writable(self) -> bool:
+        return True
+
+    def write(self, data: Any) -> int:
+        if self.problem is None:
+            try:
+                return os.write(self._descriptor, data)
+            except OSError as error:
+                self.problem = error
+        return len(data)
+
+    def code(self, code: Any) -> Any:
+        """Return the exit code of a program that would end with `code`, and tell a problem."""
+        sys.stdout.flush()
+        if self.problem is None:
+            return code
+        if self.problem.errno == errno.EPIPE:
+            return code or _NOBODY_LISTENS
+        program = os.path.basename(sys.argv[0])
+        reason = self.problem.strerror
+        print(f"{program}: cannot write to standard output: {reason}", file=sys.stderr)
+        return code or _UNTOLD
+
+
+def _output() -> _Output:
+    """Put an `_Output` in the place of standard output."""
+    before: Any = sys.stdout
+    if before is None:  # it was closed from the start
+        before = os.fdopen(os.open(os.devnull, os.O_WRONLY), "w", encoding="utf-8")
+    raw = _Output(before)
+    sys.stdout = io.TextIOWrapper(
+        io.BufferedWriter(raw),
+        encoding=before.encoding,
+        errors=before.errors,
+        line_buffering=before.line_buffering or before.write_through,
+    )
+    return raw
 
 
 def start(module: str, stopped: int | None = 0) -> int:
@@ -30,7 +95,7 @@ def start(module: str, stopped: int | None = 0) -> int:
     Returns
     -------
     int
-        Exit code of ``main``.
+        Exit code of ``main``; in place of 0 another one if standard output has failed.
     """
 
     def leave(number: int, _frame: FrameType | None) -> None:
@@ -39,8 +104,13 @@ def start(module: str, stopped: int | None = 0) -> int:
 
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, leave)
-    code: int = importlib.import_module(module).main()
-    return code
+    output = _output()
+    try:
+        code: Any = importlib.import_module(module).main()
+    except SystemExit as end:
+        code = end.code
+    ended: int = output.code(code)
+    return ended
 
 
 def mapper() -> int:
