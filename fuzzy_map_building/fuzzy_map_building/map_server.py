@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from fuzzy_map_building.grid import MAX_CELLS, GridGeometry
 from fuzzy_map_building.map_io import MapFileError, atomic_write
 from fuzzy_map_building.parameter_schema import suggest
-from fuzzy_map_building.plain_yaml import load_plain, shown
+from fuzzy_map_building.plain_yaml import load_plain, number_hint, shown
 
 __all__ = ["export_map_server", "import_map_server"]
 
@@ -162,7 +162,9 @@ def _checked(entries: Any) -> dict[str, Any]:
 
 def _number(key: str, value: Any) -> float:
     if not isinstance(value, (int, float)) or not math.isfinite(value):
-        raise MapFileError(f"{key} must be a finite number, got {shown(value)}")
+        raise MapFileError(
+            f"{key} must be a finite number, got {shown(value)}{number_hint(value)}"
+        )
     return float(value)
 
 

@@ -9,13 +9,17 @@ that is read here needs them.
 
 from __future__ import annotations
 
+import math
+import re
 import reprlib
 from typing import Any
 
 import yaml
 
-__all__ = ["NotPlainError", "PlainLoader", "load_plain", "shown"]
+__all__ = ["NotPlainError", "PlainLoader", "load_plain", "number_hint", "shown"]
 
+# What people take for a number.
+_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 
 _REPR = reprlib.Repr()
 _REPR.maxstring = _REPR.maxother = _REPR.maxlong = 100
@@ -80,6 +84,37 @@ def shown(value: Any) -> str:
         return _REPR.repr(value)
     except ValueError:  # the digits of a whole number
         return "a number too long to print"
+
+
+def number_hint(value: Any) -> str:
+    """Return how to write a text that was meant as a number, as the end of a sentence.
+
+    YAML 1.1 takes for texts what is in quotes, and exponents without a point or a sign.
+
+    Parameters
+    ----------
+    value : Any
+        What was read where a number is expected.
+
+    Returns
+    -------
+    str
+        Empty if it is no text that looks like a number.
+
+    Examples
+    --------
+    >>> number_hint("9.9e6")
+    ', which is a text to YAML; write 9900000.0 without quotes, exponents as in 1.0e+3'
+    >>> number_hint("many"), number_hint([1])
+    ('', '')
+    """
+    if not isinstance(value, str) or not _NUMBER.fullmatch(value):
+        return ""
+    number = float(value)
+    if not math.isfinite(number):
+        return ""
+    written = yaml.safe_dump(number).split()[0]
+    return f", which is a text to YAML; write {written} without quotes, exponents as in 1.0e+3"
 
 
 def _line(error: yaml.YAMLError) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy_map_building.parameter_schema import suggest
-from fuzzy_map_building.plain_yaml import PlainLoader, load_plain, shown
+from fuzzy_map_building.plain_yaml import PlainLoader, load_plain, number_hint, shown
 
 __all__ = [
     "MAX_BYTES",
@@ -28,8 +28,6 @@ FloatArray = NDArray[np.float64]
 
 # A whole number that YAML 1.1 reads in base 8.
 _OCTAL = re.compile(r"[-+]?0[0-7_]+")
-# What people take for a number.
-_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 
 #: Largest file [bytes], most entries of a list, farthest coordinate and shortest length [m]:
 #: they bound what a file can make the simulator do.
@@ -88,10 +86,10 @@ class Node:
         """Raise WorldError with the place and the problem."""
         raise WorldError(f"{self.where or 'the world'}: {problem}")
 
-    def refuse(self, wanted: str) -> NoReturn:
-        """Raise WorldError with what is wanted instead of the value."""
+    def refuse(self, wanted: str, hint: str = "") -> NoReturn:
+        """Raise WorldError with what is wanted instead of the value, and a hint."""
         found = "nothing" if self.value is None else shown(self.value)
-        self.fail(f"{wanted} expected, got {found}")
+        self.fail(f"{wanted} expected, got {found}{hint}")
 
     def mapping(self, required: Sequence[str], optional: Sequence[str] = ()) -> dict[str, Node]:
         """Return the values of a mapping that has all required and no unknown keys."""
@@ -116,14 +114,8 @@ class Node:
 
     def number(self, low: float = -MAX_COORDINATE, high: float = MAX_COORDINATE) -> float:
         """Return a finite number from `low` to `high`."""
-        if isinstance(self.value, str) and _NUMBER.fullmatch(self.value):
-            # In quotes, or such as 1e-3, which YAML 1.1 takes for a text for want of a point.
-            self.fail(
-                f"a number expected, {shown(self.value)} is a text to YAML; "
-                "write it without quotes, and 1.0e-3, not 1e-3"
-            )
         if isinstance(self.value, bool) or not isinstance(self.value, (int, float)):
-            self.refuse("a number")
+            self.refuse("a number", number_hint(self.value))
         # Comparing first: an int of any length is no float yet. NaN fails it too.
         if not low <= self.value <= high:
             self.refuse(f"a number from {low:g} to {high:g}")
