@@ -10,6 +10,7 @@ from __future__ import annotations
 import fcntl
 import json
 import os
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from types import TracebackType
@@ -85,19 +86,39 @@ class TrialFile:
             raise ValueError(f"{self.path} holds no trials; use another --output")
         try:
             found = json.loads(first) if whole else header
-            results = [TrialResult.from_json(json.loads(line)) for line in lines]
         except (ValueError, RecursionError) as error:
-            raise ValueError(f"{self.path} holds no trials of this version: {error}") from error
+            raise ValueError(f"{self.path} holds no trials; use another --output") from error
         if found != header:
             raise ValueError(
                 f"{self.path} holds trials of another configuration"
                 f"{_difference(found, header)}; use another --output"
             )
+        results = self._results(lines)
         # Only now, for what is refused is not to be touched.
         self._file.truncate(len(whole))
         if not whole:
             self._write(header)
         self.results = {(r.kind, r.mission.seed): r for r in results}
+
+    def _results(self, lines: Sequence[bytes]) -> list[TrialResult]:
+        """Return what the lines below the first one hold."""
+        results = []
+        damaged: dict[int, Exception] = {}
+        for number, line in enumerate(lines, start=2):
+            try:
+                results.append(TrialResult.from_json(json.loads(line)))
+            except (ValueError, RecursionError) as error:
+                damaged[number] = error
+        if damaged:
+            number, first = next(iter(damaged.items()))
+            # Of JSON that ends amiss without its place, which would be that in the line.
+            reason = getattr(first, "msg", first)
+            more = f" ({len(damaged) - 1} more are damaged as well)" if len(damaged) > 1 else ""
+            raise ValueError(
+                f"{self.path}: line {number} holds no trial of this version: {reason}{more}; "
+                "remove it, and its mission is run again, or use another --output"
+            ) from first
+        return results
 
     def _write(self, value: dict[str, Any]) -> None:
         rest = json.dumps(value).encode() + b"\n"
@@ -138,4 +159,4 @@ def _difference(found: Any, wanted: Any, where: str = "") -> str:
                 place = f"{where}.{key}" if where else str(key)
                 return _difference(found.get(key), wanted.get(key), place)
     there, here = (json.dumps(value)[:200] for value in (found, wanted))
-    return f" ({where[:200]}: {there} there, {here} here)"
+    return f" ({where[:200] or 'its first line'}: {there} there, {here} here)"

@@ -8,7 +8,7 @@ import json
 import math
 import shlex
 import sys
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -202,9 +202,43 @@ def test_a_file_that_holds_something_else_is_refused(
     with (tmp_path / "t").open("a") as raw:
         raw.write(line + "\n")
     before = (tmp_path / "t").read_bytes()
-    with pytest.raises(ValueError, match="holds no trials of this version"):
+    with pytest.raises(ValueError, match=r"line 3 holds no trial of this version.*; remove it"):
         TrialFile(tmp_path / "t", {})
     assert (tmp_path / "t").read_bytes() == before
+
+
+def test_a_damaged_line_is_named_and_its_mission_run_again(
+    tmp_path: Path, result: TrialResult
+) -> None:
+    path = tmp_path / "t"
+    with TrialFile(path, {}) as file:
+        for seed in range(1, 6):
+            file.add(replace(result, mission=replace(result.mission, seed=seed)))
+    lines = path.read_bytes().splitlines(keepends=True)
+    # Cut off and joined with the next one, and lost to zeros by a power failure.
+    cut = lines[2][:50] + lines[3]
+    zeros = b"\0" * 400 + b"\n"
+    path.write_bytes(b"".join([*lines[:2], cut, lines[4], zeros]))
+    with pytest.raises(ValueError, match=r"t: line 3 holds .*: Expecting .* \(1 more are dam"):
+        TrialFile(path, {})
+    path.write_bytes(b"".join([*lines[:2], lines[4], zeros]))
+    with pytest.raises(ValueError, match=r"t: line 4 holds no trial of this version: .*[^)]; rem"):
+        TrialFile(path, {})
+    # What follows the last line's end was not written to its end: it needs no hand.
+    path.write_bytes(b"".join([*lines[:2], lines[4], lines[4], zeros[:-1]]))
+    with TrialFile(path, {}) as file:
+        assert [seed for _, seed in file.results] == [1, 4]
+    assert path.read_bytes() == b"".join([*lines[:2], lines[4], lines[4]])
+
+
+@pytest.mark.parametrize("first", ["nonsense", "\0" * 40, "[" * 100_000])
+def test_a_file_without_its_first_line_is_refused(first: str, tmp_path: Path) -> None:
+    (tmp_path / "t").write_text(first + "\n")
+    with pytest.raises(ValueError, match="t holds no trials; use another --output"):
+        TrialFile(tmp_path / "t", {})
+    (tmp_path / "t").write_text("null\n")
+    with pytest.raises(ValueError, match=r"another configuration \(its first line: null there"):
+        TrialFile(tmp_path / "t", {})
 
 
 @pytest.mark.parametrize(
