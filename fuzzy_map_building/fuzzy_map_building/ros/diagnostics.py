@@ -24,6 +24,7 @@ from rclpy.node import Node
 
 from fuzzy_map_building.ros import names, qos
 from fuzzy_map_building.ros.clock import create_steady_timer
+from fuzzy_map_building.ros.rivals import Rivals
 
 __all__ = ["Diagnostics"]
 
@@ -37,7 +38,7 @@ class Diagnostics:
     """Counts refusals by reason and publishes them with the node's own values.
 
     The status is named after the node. Its level is OK when nothing was refused in the
-    last period and `problem` names none, WARN otherwise.
+    last period, `problem` names none and there are no `rivals`, WARN otherwise.
 
     Parameters
     ----------
@@ -47,6 +48,8 @@ class Diagnostics:
         Returns what else to publish, called once a period; values are shown as text.
     problem : callable, optional
         Returns why the node cannot do its work now, or '' when it can.
+    rivals : Rivals, optional
+        Looked at once a period.
     """
 
     def __init__(
@@ -54,10 +57,12 @@ class Diagnostics:
         node: Node,
         values: Callable[[], Mapping[str, object]] | None = None,
         problem: Callable[[], str] | None = None,
+        rivals: Rivals | None = None,
     ) -> None:
         self._node = node
         self._values = values
         self._problem = problem
+        self._rivals = rivals
         self._counts: Counter[str] = Counter()
         self._new = 0
         self._last = ""
@@ -144,14 +149,17 @@ class Diagnostics:
     def publish(self) -> None:
         """Publish the status now."""
         status = DiagnosticStatus(name=self._node.get_name(), level=DiagnosticStatus.OK)
-        problem = self._problem() if self._problem is not None else ""
+        problems = (
+            self._problem() if self._problem is not None else "",
+            self._rivals.look() if self._rivals is not None else "",
+        )
         if self._new:
             status.level = DiagnosticStatus.WARN
             status.message = f"{self._new} refused, last: {self._last}"
             self._new = 0
-        if problem:
+        if any(problems):
             status.level = DiagnosticStatus.WARN
-            status.message = problem
+            status.message = "; ".join(filter(None, problems))
         status.message = status.message or "ok"
         values = dict(self._values()) if self._values is not None else {}
         values.update((f"rejected.{key}", n) for key, n in sorted(self._counts.items()))

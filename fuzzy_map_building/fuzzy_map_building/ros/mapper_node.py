@@ -41,6 +41,7 @@ from fuzzy_map_building.ros.diagnostics import Diagnostics
 from fuzzy_map_building.ros.explanations import explanations
 from fuzzy_map_building.ros.map_publisher import MapPublisher
 from fuzzy_map_building.ros.map_services import MapServices
+from fuzzy_map_building.ros.rivals import Rivals
 from fuzzy_map_building.ros.run import spin_node
 from fuzzy_map_building.ros.snapshots import SnapshotWriter
 from fuzzy_map_building.types import RangeReading, SonarReading
@@ -69,7 +70,10 @@ class MapperNode(Node):
         restored, refusal = self._restore()
         self._maps = MapPublisher(self, self._mapper, p.publishing)
         self._turret = self.create_publisher(Float64, names.TURRET_COMMAND, qos.RELIABLE)
-        self._diagnostics = Diagnostics(self, self._diagnostic_values, self._problem)
+        alone = Rivals(
+            self, (names.TURRET_COMMAND, names.MOTION_MAP, names.PLANNING_MAP, names.MAP)
+        )
+        self._diagnostics = Diagnostics(self, self._diagnostic_values, self._problem, alone)
         self._settings.on_refusal = self._diagnostics.reject
         self._gate = ClockGate(self, self._diagnostics)
         if refusal:

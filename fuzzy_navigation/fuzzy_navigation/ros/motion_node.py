@@ -40,6 +40,7 @@ from fuzzy_map_building.ros.conversions import (
     twist_to_msg,
 )
 from fuzzy_map_building.ros.diagnostics import Diagnostics
+from fuzzy_map_building.ros.rivals import Rivals
 from fuzzy_map_building.ros.run import spin_node
 from fuzzy_navigation import clearance_layer, follower, verdicts
 from fuzzy_navigation.agreement import shared_parameters
@@ -97,7 +98,8 @@ class MotionNode(Node):
         self._missions = 0
         self._verdicts: dict[int, Callable[[Finish], None]] = {}
         self._counts: Counter[str] = Counter()
-        self._diagnostics = Diagnostics(self, values=self._values, problem=self._problem)
+        rivals = Rivals(self, (names.CMD_VEL, names.STAMPED_CMD_VEL))
+        self._diagnostics = Diagnostics(self, self._values, self._problem, rivals)
         self._settings.on_refusal = self._diagnostics.reject
         self._cmd_vel = self.create_publisher(Twist, names.CMD_VEL, qos.RELIABLE)
         self._stamped_cmd_vel = self.create_publisher(

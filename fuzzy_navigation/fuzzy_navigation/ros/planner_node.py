@@ -27,6 +27,7 @@ from fuzzy_map_building.ros import names, qos
 from fuzzy_map_building.ros.clock import seconds_from_stamp
 from fuzzy_map_building.ros.conversions import Refused, path_to_msg
 from fuzzy_map_building.ros.diagnostics import Diagnostics
+from fuzzy_map_building.ros.rivals import Rivals
 from fuzzy_map_building.ros.run import spin_node
 from fuzzy_navigation import any_angle, clearance_layer, search
 from fuzzy_navigation.agreement import shared_parameters
@@ -63,7 +64,8 @@ class PlannerNode(Node):
         # Before the first request, which would otherwise wait for the compiler.
         for kernels in (search, any_angle, clearance_layer):
             kernels.warm_up()
-        self._diagnostics = Diagnostics(self, values=self._values, problem=self._problem)
+        alone = Rivals(self, services=(names.PLAN_PATH,))
+        self._diagnostics = Diagnostics(self, self._values, self._problem, alone)
         self._settings.on_refusal = self._diagnostics.reject
         self._plan_publisher = self.create_publisher(Path, names.PLAN, qos.LATCHED)
         self._followed = FollowedMap(
