@@ -262,7 +262,7 @@ class Mission(MissionState):
     def _watch(self) -> list[Command]:
         """Stop, ask again or give up for what did not come in time."""
         p, time = self._p.timeout, self._time.elapsed
-        age = time - max(self._pose_time, self._record.started)
+        age = time - max(self._pose_time, self._record.started, self._resumed)
         if age > p.pose and (commands := self._stand(f"no pose for {age:.1f} s")):
             return commands
         if self._request.due(time):
@@ -276,7 +276,7 @@ class Mission(MissionState):
 
     def _stand(self, reason: str) -> list[Command]:
         """Make the robot stand until data is back; give up after a time."""
-        self._hold.begin(self._time.elapsed, reason)
+        self._hold.begin(self._time.elapsed, self._blamed(reason))
         if self._hold.lasted(self._time.elapsed) > self._p.timeout.lost:
             return self._finish((Outcome.FAILED, f"the robot stood and waited in vain: {reason}"))
         self._motion.halt()

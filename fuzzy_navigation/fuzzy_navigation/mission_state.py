@@ -26,6 +26,8 @@ from fuzzy_navigation.tried_places import TriedPlaces
 
 __all__ = ["MissionState", "State"]
 
+#: Why a robot stands that has yet to hear what came in a time without a look; see `resume`.
+HELD_UP = "the motion itself was held up, and hears only now what has come meanwhile"
 #: What a mission is about.
 State = Enum("State", ["IDLE", "WAITING", "PERCEIVING", "PLANNING", "MOVING", "TURNING"])
 
@@ -46,7 +48,7 @@ class MissionState:
         self._poses = PoseWatch(self._p.watch, self._p.follower)
         self._area: ExploredArea | None = None
         self._pose: Pose2 | None = None
-        self._pose_time = -math.inf
+        self._pose_time = self._resumed = -math.inf
         self._time = MissionTime()
         self._state = State.IDLE
         self._record = MissionRecord(0, Pose2(0.0, 0.0), 0.0, 0.0)
@@ -88,6 +90,22 @@ class MissionState:
         self._area, self._pose, self._pose_time = before._area, before._pose, before._pose_time
         self._time, self._record, self._request = before._time, before._record, before._request
         self._p, self.maps_on_the_way = before._p, before.maps_on_the_way
+
+    def resume(self, now: float) -> None:
+        """Go on after a time in which nobody looked at what came: it counts for no wait.
+
+        Parameters
+        ----------
+        now : float
+            Time [s].
+        """
+        skipped = self._time.skip(now)
+        # The goal and the pose are so much older all the same.
+        self._record.started -= skipped
+        self._pose_time -= skipped
+        self._resumed = self._time.elapsed
+        if skipped > self._p.timeout.pose:
+            self._motion.halt()  # without commands it has come to stand
 
     @property
     def active(self) -> bool:
@@ -139,6 +157,10 @@ class MissionState:
 
     def _pose_age(self) -> float:
         return self._time.elapsed - self._pose_time
+
+    def _blamed(self, reason: str) -> str:
+        """Return why the robot stands: nobody else is late when nobody has looked."""
+        return HELD_UP if self._time.elapsed == self._resumed else reason
 
     def _awaits(self, state: State, request: int) -> bool:
         return self._state is state and self._request.answered_by(request)

@@ -35,6 +35,12 @@ class MissionTime:
         if not math.isfinite(now):
             raise ValueError(f"the time of an event must be finite, got {now}")
 
+    def skip(self, now: float) -> float:
+        """Let time go on to `now` [s] without any passing; return how much would have [s]."""
+        skipped = max(now - self.clock, 0.0) if self.clock > -math.inf else 0.0
+        self.clock += skipped
+        return skipped
+
     def advance(self, now: float) -> bool:
         """Let time pass up to `now` [s]; tell whether the clock stepped back.
 

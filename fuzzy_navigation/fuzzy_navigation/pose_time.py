@@ -6,9 +6,15 @@ The control reckons in the stamps of its poses, so that neither the delay of a m
 that of a clock enters. When the poses stop, time has to go on, or nobody would notice:
 then the node's clock counts, and should that stand too, as simulated time does when the
 simulator dies, wall time.
+
+A process that did not run for a while, stopped by a debugger or starved by others, has heard of
+nothing meanwhile: all that it waits for is late by its own fault. That it was held up shows
+between two looks at the time, which it takes several times a second.
 """
 
 from __future__ import annotations
+
+import math
 
 __all__ = ["PoseTime"]
 
@@ -17,6 +23,9 @@ STANDSTILL = 1.0
 #: A clock that is farther ahead than this [s] from one look to the next, and goes so many times as
 #: fast as the wall's, was set: no simulation runs so fast over topics.
 LEAP, FASTEST = 5.0, 500.0
+#: A process that takes no look at the time for so long did not run, and takes so long to hear what
+#: has come meanwhile [s of wall time].
+HELD_UP, CATCH_UP = 0.5, 0.5
 
 
 class PoseTime:
@@ -38,6 +47,12 @@ class PoseTime:
         self._clock = 0.0
         self._wall = 0.0
         self._moved = 0.0
+        self._caught_up = -math.inf
+
+    @property
+    def catching_up(self) -> bool:
+        """Whether the process was held up shortly before the last look."""
+        return self._wall < self._caught_up
 
     def at_pose(self, stamp: float, clock: float, wall: float) -> float:
         """Return the time of a pose: its stamp.
@@ -60,6 +75,9 @@ class PoseTime:
         """
         if self._base is None:
             self._base, self._clock, self._wall, self._moved = clock, clock, wall, wall
+        if wall - self._wall > HELD_UP:
+            # A clock that has gone on is not heard yet.
+            self._moved, self._caught_up = wall, wall + CATCH_UP
         if clock != self._clock:
             self._moved = wall
         if not self._posed:

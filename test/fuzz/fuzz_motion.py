@@ -33,7 +33,7 @@ from fuzzy_navigation.explored_area import ExploredArea
 from fuzzy_navigation.mission import Mission
 from fuzzy_navigation.mission_types import Phase
 from fuzzy_navigation.pose_time import PoseTime
-from fuzzy_navigation.ros import motion_node, partners
+from fuzzy_navigation.ros import motion_node
 from fuzzy_navigation.ros.faulty_ranges import usable
 from fuzzy_navigation.ros.motion_node import MotionNode
 
@@ -330,7 +330,7 @@ class Case:
 @contextlib.contextmanager
 def _opened(counts: Counter[str]) -> Iterator[Target]:
     parameters = {"preset": "consistent"}
-    clocks = [clock, motion_node, partners]
+    clocks = [clock, motion_node]
     with node_of(MotionNode, parameters, clocks) as (node, bench):
         names = [*flatten(node._settings.values), "preset"]
         start = node._settings.values

@@ -87,6 +87,10 @@ class FakeRobot:
         """Whether the last command was to stand."""
         return not self.commands or self.commands[-1][1:] == (0.0, 0.0)
 
+    def halt(self) -> None:
+        """Stop, as a robot does whose commands fail to come."""
+        self.commands.append((time.monotonic(), 0.0, 0.0))
+
     def _on_command(self, message: Twist) -> None:
         self.commands.append((time.monotonic(), message.linear.x, message.angular.z))
         self._answered = True

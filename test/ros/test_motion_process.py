@@ -57,6 +57,26 @@ def test_a_missing_planner_is_named(make_scene: Callable[..., Scene]) -> None:
     assert "nobody serves 'plan_path'" in result.message
 
 
+def test_a_motion_that_was_paused_blames_nobody_and_goes_on(
+    make_scene: Callable[..., Scene],
+) -> None:
+    scene = make_scene()
+    handle = scene.go(3.5, 2.5)
+    scene.diagnostics.clear()
+    before = len(scene.motion.output())
+    scene.motion.send(signal.SIGSTOP)
+    # Longer than it waits for poses; their stamps have gone on as well.
+    resumed = scene.robot.time + 2.0 * PARAMETERS["timeout.lost"]
+    scene.robot.halt()
+    wait_until(lambda: scene.robot.time > resumed, "the pause")
+    scene.motion.send(signal.SIGCONT)
+    answer = scene.result(handle)
+    assert answer.result.outcome == RESULT.REACHED
+    said = [status.message for array in scene.diagnostics.messages for status in array.status]
+    said.append(scene.motion.output()[before:])
+    assert not any("no pose" in text or "nothing comes" in text for text in said)
+
+
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.parametrize("moving", [True, False], ids=["moving", "perceiving"])
 def test_a_stop_leaves_the_robot_standing(

@@ -98,13 +98,11 @@ class MotionNode(Node):
         self._missions = 0
         self._verdicts: dict[int, Callable[[Finish], None]] = {}
         self._counts: Counter[str] = Counter()
-        rivals = Rivals(self, (names.CMD_VEL, names.STAMPED_CMD_VEL))
-        self._diagnostics = Diagnostics(self, self._values, self._problem, rivals)
+        alone = Rivals(self, (names.CMD_VEL, names.STAMPED_CMD_VEL))
+        self._diagnostics = Diagnostics(self, self._values, self._problem, alone)
         self._settings.on_refusal = self._diagnostics.reject
         self._cmd_vel = self.create_publisher(Twist, names.CMD_VEL, qos.RELIABLE)
-        self._stamped_cmd_vel = self.create_publisher(
-            TwistStamped, names.STAMPED_CMD_VEL, qos.RELIABLE
-        )
+        self._stamped = self.create_publisher(TwistStamped, names.STAMPED_CMD_VEL, qos.RELIABLE)
         self._mapper = MapperClient(self, self._on_perception)
         self._planner = PlannerClient(
             self, self._on_plan, self._on_plan_error, lambda: self._shared
@@ -181,7 +179,7 @@ class MotionNode(Node):
             return
         self._answered, self._last_tick = tick.stamp, time.monotonic()
         self._counts["ticks" if tick.complete else "ticks.incomplete"] += 1
-        now = self._time.at_pose(tick.stamp, now_seconds(self), self._last_tick)
+        now = self._now(tick.stamp)
         sonar = self._echoes.release() if self._echoes is not None else ()
         delay = now_seconds(self) - tick.stamp
         self._carry_out(self._mission.on_pose(now, tick.pose, tick.readings, sonar, delay))
@@ -306,7 +304,7 @@ class MotionNode(Node):
         self._cmd_vel.publish(twist_to_msg(linear, angular))
         if self._answered is not None:
             stamped = stamped_twist_to_msg(self._answered, linear, angular)
-            self._stamped_cmd_vel.publish(stamped)
+            self._stamped.publish(stamped)
 
     def _finish(self, finish: Finish) -> None:
         self._mapper.cancel()
@@ -376,17 +374,21 @@ class MotionNode(Node):
         return values
 
     def _problem(self) -> str:
-        if self._mission.active and self._mission.feedback().hold:
-            return f"the robot stands: {self._mission.feedback().hold}"
-        if self._mission.active and self._mission.advice:
-            return self._mission.advice
-        if time.monotonic() - self._last_tick > SILENCE:
+        hold = self._mission.feedback().hold
+        if self._mission.active and (hold or self._mission.advice):
+            return f"the robot stands: {hold}" if hold else self._mission.advice
+        self._now()  # whoever was held up has not looked for poses yet
+        if time.monotonic() - self._last_tick > SILENCE and not self._time.catching_up:
             return f"nothing comes by '{names.POSE}': no goal can be served"
         return self._followed.problem() or self._planner.disagreement
 
-    def _now(self) -> float:
-        """Return the mission's time [s]."""
-        return self._time.now(now_seconds(self), time.monotonic())
+    def _now(self, stamp: float | None = None) -> float:
+        """Return the mission's time [s], of a pose with that stamp if there is one."""
+        times = now_seconds(self), time.monotonic()
+        now = self._time.now(*times) if stamp is None else self._time.at_pose(stamp, *times)
+        if self._time.catching_up:
+            self._mission.resume(now)
+        return now
 
 
 def main() -> int:

@@ -14,7 +14,7 @@ request.
 
 from __future__ import annotations
 
-import time
+import math
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Final
@@ -30,7 +30,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 from fuzzy_map_building.ros import names
-from fuzzy_map_building.ros.clock import seconds_from_stamp
+from fuzzy_map_building.ros.clock import PatientTime, seconds_from_stamp
 from fuzzy_map_building.ros.conversions import path_from_msg, pose_to_msg
 from fuzzy_navigation.agreement import disagreement
 from fuzzy_navigation.mission_types import Plan
@@ -86,6 +86,7 @@ class MapperClient:
     def __init__(self, node: Node, on_end: Callable[[int, bool, str], None]) -> None:
         self._client = ActionClient(node, BuildMap, names.BUILD_MAP)
         self._renewal = _Renewal(node, f"{names.BUILD_MAP}/_action/status")
+        self._time = PatientTime(0.0)
         self._on_end = on_end
         self._request: int | None = None
         self._deadline = 0.0
@@ -97,7 +98,7 @@ class MapperClient:
         """Ask for a perception; `limit` is how long the mapper may be missing [s of wall time]."""
         self.cancel()
         self._request, self._sent = request, False
-        self._deadline = time.monotonic() + limit
+        self._deadline = self._time.read(math.inf) + limit
         self.watch()
 
     def cancel(self) -> None:
@@ -108,7 +109,7 @@ class MapperClient:
 
     def watch(self) -> None:
         """Send what could not be sent yet; give up when the mapper is missing."""
-        ready = self._client.server_is_ready()
+        now, ready = self._time.read(math.inf), self._client.server_is_ready()
         busy = self._handle is not None or (self._request is not None and self._sent)
         renewed = ready and busy and self._renewal.happened()
         if renewed or not ready:
@@ -124,7 +125,7 @@ class MapperClient:
             self._renewal.begin()
             future = self._client.send_goal_async(BuildMap.Goal())
             future.add_done_callback(partial(self._on_response, self._request))
-        elif time.monotonic() > self._deadline:
+        elif now > self._deadline:
             self._end(
                 self._request,
                 False,
@@ -193,6 +194,7 @@ class PlannerClient:
         self._parameters = parameters
         self._client = node.create_client(PlanPath, names.PLAN_PATH)
         self._renewal = _Renewal(node, names.PLAN)
+        self._time = PatientTime(0.0)
         self._on_plan = on_plan
         self._on_error = on_error
         self._plan: Plan | None = None
@@ -214,7 +216,7 @@ class PlannerClient:
         """
         self.cancel()
         self._plan, self._map_stamp = plan, map_stamp
-        self._deadline = time.monotonic() + limit
+        self._deadline = self._time.read(math.inf) + limit
         self.watch()
 
     def cancel(self) -> None:
@@ -224,6 +226,7 @@ class PlannerClient:
 
     def watch(self) -> None:
         """Ask again where need be; give up when the planner is missing."""
+        now = self._time.read(math.inf)
         if self._plan is None:
             return
         if self._client.service_is_ready():
@@ -233,7 +236,7 @@ class PlannerClient:
                 self._send(self._plan)
             return
         self._forget()
-        if time.monotonic() > self._deadline:
+        if now > self._deadline:
             self._error(f"nobody serves '{names.PLAN_PATH}': is the planner running?")
 
     def _send(self, plan: Plan) -> None:
@@ -269,7 +272,7 @@ class PlannerClient:
             return
         stamp = seconds_from_stamp(response.path.header.stamp)
         if stamp < self._map_stamp:
-            if time.monotonic() > self._deadline:
+            if self._time.read(math.inf) > self._deadline:
                 self._error(
                     f"the planner works on a map of {stamp:.3f} s, but the newest is of "
                     f"{self._map_stamp:.3f} s: does it hear '{names.PLANNING_MAP}'?"

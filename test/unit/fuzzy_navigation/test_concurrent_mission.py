@@ -317,6 +317,18 @@ def test_it_says_so_when_no_map_comes_on_the_way_and_no_longer_when_one_does() -
     assert script.mission.maps_on_the_way == 1
 
 
+def test_a_pause_of_the_motion_is_no_silence_of_maps_on_the_way() -> None:
+    script = Concurrent(**{"follower.max_linear": 0.2})
+    script.set_out(GOAL)
+    script.ticks(20)
+    script.now += 2.0 * MAP_SILENCE
+    script.mission.resume(script.now)
+    script.ticks(math.floor(MAP_SILENCE / DT) - 20)
+    assert script.mission.advice == ""
+    script.ticks(24)
+    assert "'continuous'" in script.mission.advice
+
+
 def test_a_small_step_between_two_stops_is_no_news() -> None:
     """Whoever stops again close by perceives: steps to and fro must come to an end."""
     script = Concurrent(known_to=2.0)

@@ -159,6 +159,64 @@ def test_poses_that_do_not_come_back_end_it(moving: bool) -> None:
     assert script.now == pytest.approx(100.0 + 10.0 + 0.5, abs=0.7)
 
 
+def pause(script: Script, seconds: float) -> None:
+    """Let time pass in which the process does not run; it hears of the next tick first."""
+    script.now += seconds
+    script.mission.resume(script.now + DT)
+
+
+@pytest.mark.parametrize("seconds", [1.0, 100.0])
+def test_a_pause_of_the_process_is_nobody_elses_fault(seconds: float) -> None:
+    script = Script()
+    script.set_out(GOAL)
+    while script.pose.x < 1.5:
+        script.tick()
+    pause(script, seconds)
+    assert script.mission.on_tick(script.now + DT) == ()
+    (drive,) = script.tick()
+    assert isinstance(drive, Drive)
+    # It has come to stand without commands.
+    assert 0.0 < drive.linear <= script.parameters.follower.linear_acceleration * 0.2
+    assert script.mission.feedback().hold == ""
+    finish = finish_of(script.run())
+    assert finish.outcome is Outcome.REACHED
+    assert seconds < finish.duration < seconds + 10.0
+
+
+def test_way_that_was_come_in_a_pause_is_no_jump_of_the_pose() -> None:
+    script = Script()
+    script.set_out(GOAL)
+    while script.pose.x < 1.5:
+        script.tick()
+    pause(script, 1.0)
+    script.pose = Pose2(script.pose.x + 0.39, script.pose.y, script.pose.theta)
+    assert script.tick() != (STAND,)
+    assert script.mission.feedback().hold == ""
+
+
+def test_what_is_missing_after_a_pause_is_blamed_on_it_at_first() -> None:
+    script = Script()
+    script.set_out(GOAL)
+    while script.pose.x < 1.5:
+        script.tick()
+    pause(script, 10.0)
+    assert script.tick(infrared=False) == (STAND,)
+    assert "the motion itself was held up" in script.mission.feedback().hold
+    assert script.tick(infrared=False) == (STAND,)
+    assert "no readings from infrared_0" in script.mission.feedback().hold
+
+
+def test_an_answer_has_the_rest_of_its_time_after_a_pause() -> None:
+    script = Script(**{"timeout.plan": 2.0})
+    script.tick()
+    script.perceive(script.start(*GOAL))
+    pause(script, 100.0)
+    for _ in range(round(1.9 / DT)):
+        assert script.tick() == (STAND,)
+    script.run(2.0)  # it asks again
+    assert [type(c) for c in script.commands if not isinstance(c, Drive)] == [Perceive, Plan, Plan]
+
+
 def test_a_first_pose_that_never_comes_ends_it() -> None:
     script = Script()
     script.start(*GOAL)

@@ -29,12 +29,28 @@ def test_between_poses_the_clock_counts_whatever_its_rate() -> None:
 def test_wall_time_counts_while_the_clock_stands() -> None:
     time = PoseTime()
     time.at_pose(50.0, clock=50.0, wall=1.0)
-    assert time.now(clock=50.0, wall=1.9) == 50.0
-    assert time.now(clock=50.0, wall=2.5) == pytest.approx(50.5)
-    assert time.now(clock=50.0, wall=12.5) == pytest.approx(60.5)
+    read = [time.now(clock=50.0, wall=1.0 + 0.1 * k) for k in range(116)]
+    assert read[9] == 50.0
+    assert read[15] == pytest.approx(50.5)
+    assert read[115] == pytest.approx(60.5)
     # And no more once it runs again.
-    assert time.now(clock=50.1, wall=13.0) == pytest.approx(60.6)
-    assert time.now(clock=50.1, wall=13.8) == pytest.approx(60.6)
+    assert time.now(clock=50.1, wall=12.9) == pytest.approx(60.6)
+    assert time.now(clock=50.1, wall=13.4) == pytest.approx(60.6)
+
+
+def test_a_process_that_was_held_up_is_told_until_it_can_have_heard_what_came() -> None:
+    time = PoseTime()
+    time.at_pose(50.0, clock=50.0, wall=1.0)
+    time.now(clock=50.4, wall=1.4)
+    assert not time.catching_up
+    # The clock that has gone on is heard a little later.
+    assert time.now(clock=50.4, wall=11.4) == pytest.approx(50.4)
+    assert time.catching_up
+    assert time.now(clock=60.45, wall=11.45) == pytest.approx(60.45)
+    assert time.at_pose(60.4, clock=60.5, wall=11.5) == 60.4
+    assert time.catching_up
+    assert time.now(clock=60.9, wall=11.95) == pytest.approx(60.8)
+    assert not time.catching_up
 
 
 def test_before_the_first_pose_a_leap_of_the_clock_is_no_time_that_passed() -> None:
