@@ -75,6 +75,22 @@ def test_a_signal_ends_all_of_them(
     assert not any(map(alive, nodes.values()))
 
 
+def test_who_cannot_be_told_anything_still_has_a_robot_that_works(
+    probe: Probe, start_node: Callable[..., NodeProcess], tmp_path: Path
+) -> None:
+    (tmp_path / "bringup_0.log").symlink_to("/dev/full")  # where it writes to: a disk without room
+    robot = Robot(probe, start_node, "--respawn")
+    before = robot.wait()
+    os.kill(before["planner"], signal.SIGKILL)
+    wait_until(
+        lambda: children(robot.process.pid).get("planner", before["planner"]) != before["planner"],
+        "another planner",
+        60.0,
+    )
+    robot.process.send(signal.SIGINT)
+    assert robot.process.wait() == 0
+
+
 def test_the_end_of_one_ends_all(probe: Probe, start_node: Callable[..., NodeProcess]) -> None:
     robot = Robot(probe, start_node)
     nodes = robot.wait()

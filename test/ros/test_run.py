@@ -50,6 +50,22 @@ def complaints(done: subprocess.CompletedProcess[str]) -> str:
     return "".join(line for line in lines if not (remark and line.endswith(f": {remark}\n")))
 
 
+@pytest.mark.parametrize("home", [True, False])
+def test_who_cannot_keep_a_log_is_told_what_to_set(
+    home: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("HOME")
+    monkeypatch.delenv("ROS_HOME", raising=False)
+    if home:
+        monkeypatch.setenv("ROS_LOG_DIR", "/proc/log")
+    else:
+        monkeypatch.delenv("ROS_LOG_DIR", raising=False)
+    done = run("sys.exit(spin_node(lambda: Node('mute'), name='mute'))")
+    assert done.returncode == 2
+    assert "mute: cannot start: ROS cannot keep a log" in done.stderr
+    assert "set ROS_LOG_DIR to a folder that can be written" in done.stderr
+
+
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_signals_become_a_flag_and_the_handlers_come_back(number: signal.Signals) -> None:
     before = signal.getsignal(number)

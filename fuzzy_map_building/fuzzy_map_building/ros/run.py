@@ -221,7 +221,13 @@ def check_arguments(arguments: Sequence[str]) -> None:
 
 
 def _refused(error: Exception) -> ValueError:
-    return ValueError(f"the command line was refused: {_RCL_SOURCE.sub('', str(error))}")
+    reason = _RCL_SOURCE.sub("", str(error))
+    if "initialize logging" in reason:
+        return ValueError(
+            f"ROS cannot keep a log ({reason}): set ROS_LOG_DIR to a folder that can be written; "
+            "the default lies in HOME, which a service has not"
+        )
+    return ValueError(f"the command line was refused: {reason}")
 
 
 def _drain(node: Node, executor: SingleThreadedExecutor) -> None:
