@@ -27,7 +27,7 @@ from fuzzy_navigation.tried_places import TriedPlaces
 __all__ = ["MissionState", "State"]
 
 #: Why a robot stands that has yet to hear what came in a time without a look; see `resume`.
-HELD_UP = "the motion itself was held up, and hears only now what has come meanwhile"
+HELD_UP = "the motion itself was held up, or the clock set: what is of now is yet to be heard"
 #: What a mission is about.
 State = Enum("State", ["IDLE", "WAITING", "PERCEIVING", "PLANNING", "MOVING", "TURNING"])
 
@@ -92,7 +92,7 @@ class MissionState:
         self._p, self.maps_on_the_way = before._p, before.maps_on_the_way
 
     def resume(self, now: float) -> None:
-        """Go on after a time in which nobody looked at what came: it counts for no wait.
+        """Go on after a time in which nobody looked, or that was none: it counts for no wait.
 
         Parameters
         ----------

@@ -7,6 +7,8 @@ that of a clock enters. When the poses stop, time has to go on, or nobody would 
 then the node's clock counts, and should that stand too, as simulated time does when the
 simulator dies, wall time.
 
+A clock that is set ahead by hours, and the stamps with it, is nobody's silence either.
+
 A process that did not run for a while, stopped by a debugger or starved by others, has heard of
 nothing meanwhile: all that it waits for is late by its own fault. That it was held up shows
 between two looks at the time, which it takes several times a second.
@@ -51,7 +53,7 @@ class PoseTime:
 
     @property
     def catching_up(self) -> bool:
-        """Whether the process was held up shortly before the last look."""
+        """Whether the process was held up, or the stamps leapt, shortly before the last look."""
         return self._wall < self._caught_up
 
     def at_pose(self, stamp: float, clock: float, wall: float) -> float:
@@ -64,7 +66,10 @@ class PoseTime:
         clock, wall : float
             What the node's clock and the wall clock show now [s].
         """
-        self.now(clock, wall)
+        looked = self._wall
+        before = self.now(clock, wall)
+        if self._posed and _leapt(stamp - before, wall - looked):
+            self._caught_up = wall + CATCH_UP
         self._base, self._passed, self._posed = stamp, 0.0, True
         return stamp
 
@@ -93,6 +98,9 @@ class PoseTime:
 
 def _step(clock: float, wall: float) -> float:
     """Return the time that has passed while the clock and the wall's went on so far [s]."""
-    if clock > LEAP and clock > FASTEST * wall:
-        return wall
-    return max(clock, 0.0)  # 0: it was set back
+    return wall if _leapt(clock, wall) else max(clock, 0.0)  # 0: it was set back
+
+
+def _leapt(time: float, wall: float) -> bool:
+    """Whether a time has gone ahead too far for as long as the wall's went on."""
+    return time > LEAP and time > FASTEST * wall

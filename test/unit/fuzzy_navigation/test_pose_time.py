@@ -53,6 +53,19 @@ def test_a_process_that_was_held_up_is_told_until_it_can_have_heard_what_came() 
     assert not time.catching_up
 
 
+def test_stamps_that_leap_with_the_clock_are_told_as_well() -> None:
+    time = PoseTime()
+    time.at_pose(50.0, clock=50.0, wall=1.0)
+    time.at_pose(54.9, clock=54.9, wall=1.05)  # a simulation at a hundred times real time
+    assert not time.catching_up
+    assert time.now(clock=3654.95, wall=1.1) == pytest.approx(54.95)
+    assert time.at_pose(3655.0, clock=3655.0, wall=1.15) == 3655.0
+    assert time.catching_up
+    time.at_pose(3655.05, clock=3655.05, wall=1.6)
+    time.at_pose(3655.1, clock=3655.1, wall=2.0)
+    assert not time.catching_up
+
+
 def test_before_the_first_pose_a_leap_of_the_clock_is_no_time_that_passed() -> None:
     time = PoseTime()
     assert time.now(clock=0.0, wall=1.0) == 0.0
