@@ -3,8 +3,8 @@
 """Whether the sonars hear at all: a ring that is deaf tells what open space tells.
 
 That there is no echo says much only where there should be one. Of a single sonar it says little,
-for smooth walls send most echoes elsewhere; of all of them, round after round, beside what
-infrareds see or where echoes came from just before, it says that they are deaf.
+for smooth walls send most echoes elsewhere; of all of them, round after round, turned to what
+infrareds see or to where echoes came from just before, it says that they are deaf.
 """
 
 from __future__ import annotations
@@ -13,16 +13,22 @@ import math
 from collections import deque
 from collections.abc import Sequence
 
-from fuzzy_map_building.types import Pose2, SonarReading
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzy_map_building.sensor_params import SonarParameters
+from fuzzy_map_building.types import SonarReading
 
 __all__ = ["HearingWatch"]
+
+Points = NDArray[np.float64]
 
 #: Rounds of the whole ring without an echo that make a silence. In 105 missions in generated
 #: worlds the longest silence of a ring that hears was half a round.
 ROUNDS = 4
-#: So many infrareds have to see something, or so many echoes to have come from close by.
+#: So many points that infrareds see, or that echoes came from, have to be in silent beams.
 WITNESSES = 3
-#: Part of the sonars' greatest range that is close by.
+#: Part of the sonars' greatest range within which echoes that came before are to be heard again.
 CLOSE = 0.5
 #: Rounds whose echoes are kept, as many as a perception has; the oldest go.
 KEPT = 3
@@ -33,64 +39,73 @@ class HearingWatch:
 
     Parameters
     ----------
-    count : int
-        How many sonars there are.
-    mount_radius : float
-        Distance of the sonars' faces from the robot's centre [m].
-    max_range : float
-        Range from which on nothing is heard [m].
+    sonar : SonarParameters
+        The ring.
     """
 
-    def __init__(self, count: int, mount_radius: float, max_range: float) -> None:
-        self._count = count
-        self.adopt(mount_radius, max_range)
+    def __init__(self, sonar: SonarParameters) -> None:
+        count = len(sonar.frame_ids)
+        self.adopt(sonar)
         self._echoes: deque[tuple[float, float]] = deque(maxlen=KEPT * count)
-        self.clear()
+        #: Where the newest silent beams began, and their directions: x, y [m], angle [rad].
+        self._silent: deque[tuple[float, float, float]] = deque(maxlen=ROUNDS * count)
 
-    def adopt(self, mount_radius: float, max_range: float) -> None:
-        """Go by other numbers, those of the constructor, from now on."""
-        self._mount_radius, self._max_range = mount_radius, max_range
+    def adopt(self, sonar: SonarParameters) -> None:
+        """Go by other parameters of the same ring from now on."""
+        self._sonar = sonar
 
     def clear(self) -> None:
         """Forget the silence and, as after a pose that jumped, where echoes came from."""
         self._echoes.clear()
-        self._silent = 0
-        self._place = Pose2(0.0, 0.0)
+        self._silent.clear()
 
     def update(self, readings: Sequence[SonarReading]) -> None:
         """Take readings, each placed at its own pose; one that is faulty (NaN) is none."""
         for reading in readings:
             distance, pose = reading.range, reading.pose
-            if distance >= self._max_range:
-                self._silent += 1
-                self._place = pose
+            angle = pose.theta + reading.bearing
+            if distance >= self._sonar.max_range:
+                self._silent.append((pose.x, pose.y, angle))
             elif distance == distance:
-                self._silent = 0
-                reach = max(distance, 0.0) + self._mount_radius
-                angle = pose.theta + reading.bearing
-                self._echoes.append(
-                    (pose.x + reach * math.cos(angle), pose.y + reach * math.sin(angle))
-                )
+                self._silent.clear()
+                reach = max(distance, 0.0) + self._sonar.mount_radius
+                place = pose.x + reach * math.cos(angle), pose.y + reach * math.sin(angle)
+                self._echoes.append(place)
 
-    def deaf(self, seen: int, open_space: bool) -> str:
+    def deaf(self, seen: Points, open_space: bool) -> str:
         """Return why the sonars must be deaf, in words; empty if they need not be.
 
         Parameters
         ----------
-        seen : int
-            How many infrareds see something now.
+        seen : ndarray of float64, shape (n, 2)
+            Points (x, y) [m] that infrareds see now.
         open_space : bool
             Whether sonars that have not heard anything yet may be in open space.
         """
-        if self._silent < ROUNDS * self._count:
+        if len(self._silent) < ROUNDS * len(self._sonar.frame_ids):
             return ""
         silence = "no sonar hears any echo"
-        if seen >= WITNESSES:
-            return f"{silence}, though {seen} infrareds see something"
-        close = CLOSE * self._max_range
-        heard = sum(self._place.distance_to(x, y) <= close for x, y in self._echoes)
-        if heard >= WITNESSES:
-            return f"{silence}, though {heard} came from less than {close:.1f} m from here before"
-        if not self._echoes and not open_space:
+        beams = np.array(self._silent)
+        close = CLOSE * self._sonar.max_range
+        if (witnesses := self._in_beams(seen, beams, close)) >= WITNESSES:
+            return f"{silence}, though infrareds see {witnesses} points that should echo"
+        echoes = np.array(self._echoes).reshape(-1, 2)
+        if (witnesses := self._in_beams(echoes, beams, close)) >= WITNESSES:
+            return f"{silence}, though {witnesses} came from less than {close:.1f} m away before"
+        if not self._echoes and not open_space and self._all_around(beams):
             return f"{silence}, as if all were deaf; where that may be, set 'watch.open_space'"
         return ""
+
+    def _in_beams(self, points: Points, beams: Points, close: float) -> int:
+        """Return how many points lie in silent beams, less than a distance [m] away."""
+        x, y = points[:, None, 0] - beams[:, 0], points[:, None, 1] - beams[:, 1]
+        inside = np.cos(np.arctan2(y, x) - beams[:, 2]) >= math.cos(
+            0.5 * self._sonar.field_of_view
+        )
+        return int((inside & (np.hypot(x, y) <= close)).any(axis=1).sum())
+
+    def _all_around(self, beams: Points) -> bool:
+        """Whether the silent beams leave no gap between them."""
+        angles = np.sort(np.mod(beams[:, 2], math.tau))
+        gaps = np.diff(angles, append=angles[0] + math.tau)
+        return bool(gaps.max() <= self._sonar.field_of_view)

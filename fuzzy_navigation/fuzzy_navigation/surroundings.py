@@ -54,7 +54,7 @@ class Surroundings:
         self._heard = HeardEchoes(parameters.sonar.mount_radius)
         self._phase = _Phase.IDLE
         near, far = parameters.infrared, parameters.sonar
-        self._hearing = HearingWatch(len(far.frame_ids), far.mount_radius, far.max_range)
+        self._hearing = HearingWatch(far)
         self._both = tuple(RingWatch(r.frame_ids, r.min_range, r.max_range) for r in (near, far))
 
     def adopt(self, parameters: MotionParameters) -> None:
@@ -64,7 +64,7 @@ class Surroundings:
             memory.adopt(parameters.infrared)
         self._heard.adopt(parameters.sonar.mount_radius)
         near, far = parameters.infrared, parameters.sonar
-        self._hearing.adopt(far.mount_radius, far.max_range)
+        self._hearing.adopt(far)
         self._both[0].adopt(near.min_range, near.max_range)
         self._both[1].adopt(far.min_range, far.max_range)
 
@@ -193,7 +193,7 @@ class Surroundings:
 
     def deaf(self, now: float) -> str:
         """Return why the sonars that guard the robot must be deaf; empty if they need not be."""
-        return self._hearing.deaf(len(self.seen(now)), self._p.watch.open_space)
+        return self._hearing.deaf(self.seen(now), self._p.watch.open_space)
 
     def nearest(self, now: float, pose: Pose2) -> str:
         """Return which sensor sees what is nearest to the body, and where; empty if none does."""
