@@ -131,7 +131,9 @@ def main():
         sys.exit(code)
     return code
 """
-BEGIN = "import sys; from fuzzy_map_building.ros.entry import start; sys.exit(start('reporter'))"
+BEGIN = (
+    "import sys; from fuzzy_map_building.ros.entry import start; sys.exit(start('reporter', {}))"
+)
 
 
 @pytest.mark.parametrize("left", [[], ["by an exception"]])
@@ -152,7 +154,7 @@ def test_a_program_whose_output_fails_does_its_work_to_the_end(
 ) -> None:
     (tmp_path / "reporter.py").write_text(REPORTER)
     results, kept = tmp_path / "results", tmp_path / "kept"
-    command = [sys.executable, "-c", BEGIN, str(results), str(code), *left]
+    command = [sys.executable, "-c", BEGIN.format(None), str(results), str(code), *left]
     redirected = {
         "kept": f'"$@" > {kept}',
         "full": '"$@" > /dev/full',
@@ -171,3 +173,20 @@ def test_a_program_whose_output_fails_does_its_work_to_the_end(
     assert results.read_text() == "results"
     if output == "kept":
         assert kept.read_text() == "a line of the report\n" * 20000
+
+
+@pytest.mark.parametrize("code", [0, 1])
+def test_what_serves_until_it_is_stopped_does_not_fail_for_want_of_a_reader(
+    code: int, tmp_path: Path
+) -> None:
+    (tmp_path / "reporter.py").write_text(REPORTER)
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(
+            [sys.executable, "-c", BEGIN.format(0), str(tmp_path / "results"), str(code)],
+            cwd=tmp_path,
+            stdout=full,
+            stderr=full,
+            timeout=60.0,
+        )
+    assert done.returncode == code
+    assert (tmp_path / "results").read_text() == "results"

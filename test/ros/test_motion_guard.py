@@ -59,6 +59,8 @@ class Echoes:
         if fault != "silent":
             ahead = math.cos(2.0 * math.atan2(turned.z, turned.w))
             distance = (self.glass - x) / ahead - RADIUS if ahead > 0.0 else math.inf
+            # It never hears nothing at all, as if it were deaf: there is a wall behind all.
+            distance = min(distance, 6.0 - 0.01 * (turned.z % 0.1))
             # What is too close it tells as it is, though REP 117 has -inf for it.
             distance = math.nan if fault == "faulty" else max(distance, 0.0)
             echo = Range(field_of_view=self.field_of_view, max_range=6.5, range=distance)

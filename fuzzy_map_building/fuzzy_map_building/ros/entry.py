@@ -8,6 +8,7 @@ the process as cleanly as one that comes later: this module imports nothing that
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import importlib
 import io
@@ -62,7 +63,8 @@ class _Output(io.RawIOBase):
             return code or _NOBODY_LISTENS
         program = os.path.basename(sys.argv[0])
         reason = self.problem.strerror
-        print(f"{program}: cannot write to standard output: {reason}", file=sys.stderr)
+        with contextlib.suppress(OSError):  # the same disk may be behind standard error
+            print(f"{program}: cannot write to standard output: {reason}", file=sys.stderr)
         return code or _UNTOLD
 
 
@@ -90,12 +92,14 @@ def start(module: str, stopped: int | None = 0) -> int:
         Full name of the module.
     stopped : int, optional
         Exit code of the process if SIGINT or SIGTERM comes before ``main`` has taken them over,
-        or after it has given them back; None: 128 and the signal's number.
+        or after it has given them back, 0 of a program that serves until then; None: 128 and the
+        signal's number.
 
     Returns
     -------
     int
-        Exit code of ``main``; in place of 0 another one if standard output has failed.
+        Exit code of ``main``; in place of 0 another one if standard output has failed and what it
+        tells is its work.
     """
 
     def leave(number: int, _frame: FrameType | None) -> None:
@@ -107,9 +111,11 @@ def start(module: str, stopped: int | None = 0) -> int:
     output = _output()
     try:
         code: Any = importlib.import_module(module).main()
+        served = stopped == 0
     except SystemExit as end:
-        code = end.code
-    ended: int = output.code(code)
+        code, served = end.code, False
+    # Who serves until it is stopped has done its work, whether or not anybody could be told.
+    ended: int = code if served else output.code(code)
     return ended
 
 
