@@ -23,9 +23,11 @@ __all__ = ["HearingWatch"]
 
 Points = NDArray[np.float64]
 
-#: Rounds of the whole ring without an echo that make a silence. In 105 missions in generated
-#: worlds the longest silence of a ring that hears was half a round.
+#: Rounds of the whole ring almost without an echo that make a silence. In 105 missions in
+#: generated worlds the longest silence of a ring that hears was half a round.
 ROUNDS = 4
+#: One in so many readings may be an echo all the same: a ring that is all but deaf.
+STRAY = 32
 #: So many points that infrareds see, or that echoes came from, have to be in silent beams.
 WITNESSES = 3
 #: Part of the sonars' greatest range within which echoes that came before are to be heard again.
@@ -47,8 +49,8 @@ class HearingWatch:
         count = len(sonar.frame_ids)
         self.adopt(sonar)
         self._echoes: deque[tuple[float, float]] = deque(maxlen=KEPT * count)
-        #: Where the newest silent beams began, and their directions: x, y [m], angle [rad].
-        self._silent: deque[tuple[float, float, float]] = deque(maxlen=ROUNDS * count)
+        #: Where the newest beams began, x, y [m], their directions [rad], and whether they echoed.
+        self._beams: deque[tuple[float, float, float, bool]] = deque(maxlen=ROUNDS * count)
 
     def adopt(self, sonar: SonarParameters) -> None:
         """Go by other parameters of the same ring from now on."""
@@ -57,17 +59,18 @@ class HearingWatch:
     def clear(self) -> None:
         """Forget the silence and, as after a pose that jumped, where echoes came from."""
         self._echoes.clear()
-        self._silent.clear()
+        self._beams.clear()
 
     def update(self, readings: Sequence[SonarReading]) -> None:
         """Take readings, each placed at its own pose; one that is faulty (NaN) is none."""
         for reading in readings:
             distance, pose = reading.range, reading.pose
             angle = pose.theta + reading.bearing
-            if distance >= self._sonar.max_range:
-                self._silent.append((pose.x, pose.y, angle))
-            elif distance == distance:
-                self._silent.clear()
+            if distance != distance:
+                continue
+            echoed = distance < self._sonar.max_range
+            self._beams.append((pose.x, pose.y, angle, echoed))
+            if echoed:
                 reach = max(distance, 0.0) + self._sonar.mount_radius
                 place = pose.x + reach * math.cos(angle), pose.y + reach * math.sin(angle)
                 self._echoes.append(place)
@@ -80,20 +83,25 @@ class HearingWatch:
         seen : ndarray of float64, shape (n, 2)
             Points (x, y) [m] that infrareds see now.
         open_space : bool
-            Whether sonars that have not heard anything yet may be in open space.
+            Whether sonars that hear nothing may be in open space, whatever they heard before.
         """
-        if len(self._silent) < ROUNDS * len(self._sonar.frame_ids):
+        count = ROUNDS * len(self._sonar.frame_ids)
+        if len(self._beams) < count or sum(b[3] for b in self._beams) > count // STRAY:
             return ""
-        silence = "no sonar hears any echo"
-        beams = np.array(self._silent)
+        silence = "hardly any sonar hears an echo"
+        beams = np.array([beam[:3] for beam in self._beams if not beam[3]])
         close = CLOSE * self._sonar.max_range
         if (witnesses := self._in_beams(seen, beams, close)) >= WITNESSES:
             return f"{silence}, though infrareds see {witnesses} points that should echo"
+        if open_space:
+            return ""
+        where = "where sonars may be in open space wider than their reach, set 'watch.open_space'"
         echoes = np.array(self._echoes).reshape(-1, 2)
         if (witnesses := self._in_beams(echoes, beams, close)) >= WITNESSES:
-            return f"{silence}, though {witnesses} came from less than {close:.1f} m away before"
-        if not self._echoes and not open_space and self._all_around(beams):
-            return f"{silence}, as if all were deaf; where that may be, set 'watch.open_space'"
+            told = f"though {witnesses} came from less than {close:.1f} m away before"
+            return f"{silence}, {told}; {where}"
+        if not self._echoes and self._all_around(beams):
+            return f"{silence}, as if all were deaf; {where}"
         return ""
 
     def _in_beams(self, points: Points, beams: Points, close: float) -> int:

@@ -156,9 +156,9 @@ class WatchParameters:
     )
     open_space: bool = parameter(
         False,
-        doc="whether sonars that look all around and have not heard any echo yet may be in open "
-        "space wider than their reach; if not they count as deaf, and the robot that they guard "
-        "stands",
+        doc="whether sonars that hear hardly anything may be in open space wider than their "
+        "reach; if not they count as deaf where echoes came from before or, if they look all "
+        "around, where none ever came, and the robot that they guard stands",
     )
 
     def __post_init__(self) -> None:
