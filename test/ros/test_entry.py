@@ -190,3 +190,23 @@ def test_what_serves_until_it_is_stopped_does_not_fail_for_want_of_a_reader(
         )
     assert done.returncode == code
     assert (tmp_path / "results").read_text() == "results"
+
+
+@pytest.mark.parametrize("errors", ["2> /dev/full", "2>&-"])
+def test_progress_that_nobody_can_see_stops_nothing(errors: str, tmp_path: Path) -> None:
+    (tmp_path / "reporter.py").write_text(
+        "import sys\n"
+        "def main():\n"
+        "    for _ in range(3):\n"
+        "        print('progress', file=sys.stderr, flush=True)\n"
+        "    print('results')\n"
+        "    return 0\n"
+    )
+    done = subprocess.run(
+        ["sh", "-c", f'"$@" {errors}', "sh", sys.executable, "-c", BEGIN.format(None)],
+        cwd=tmp_path,
+        stdout=subprocess.PIPE,
+        text=True,
+        timeout=60.0,
+    )
+    assert (done.returncode, done.stdout) == (0, "results\n")

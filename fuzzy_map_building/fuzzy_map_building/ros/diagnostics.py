@@ -149,18 +149,16 @@ class Diagnostics:
     def publish(self) -> None:
         """Publish the status now."""
         status = DiagnosticStatus(name=self._node.get_name(), level=DiagnosticStatus.OK)
+        # What is missing may be what was refused: both are told.
         problems = (
             self._problem() if self._problem is not None else "",
             self._rivals.look() if self._rivals is not None else "",
+            f"{self._new} refused, last: {self._last}" if self._new else "",
         )
-        if self._new:
-            status.level = DiagnosticStatus.WARN
-            status.message = f"{self._new} refused, last: {self._last}"
-            self._new = 0
+        self._new = 0
         if any(problems):
             status.level = DiagnosticStatus.WARN
-            status.message = "; ".join(filter(None, problems))
-        status.message = status.message or "ok"
+        status.message = "; ".join(filter(None, problems)) or "ok"
         values = dict(self._values()) if self._values is not None else {}
         values.update((f"rejected.{key}", n) for key, n in sorted(self._counts.items()))
         status.values = [KeyValue(key=key, value=str(value)) for key, value in values.items()]

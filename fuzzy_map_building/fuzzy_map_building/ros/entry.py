@@ -8,7 +8,6 @@ the process as cleanly as one that comes later: this module imports nothing that
 
 from __future__ import annotations
 
-import contextlib
 import errno
 import importlib
 import io
@@ -27,7 +26,7 @@ _UNTOLD = 2
 
 
 class _Output(io.RawIOBase):
-    """Standard output which, when it fails, fails once and at the end.
+    """Standard output or error which, when it fails, fails once and at the end.
 
     What a closed pipe or a full disk does to a line must not keep results from their files.
     """
@@ -63,23 +62,23 @@ class _Output(io.RawIOBase):
             return code or _NOBODY_LISTENS
         program = os.path.basename(sys.argv[0])
         reason = self.problem.strerror
-        with contextlib.suppress(OSError):  # the same disk may be behind standard error
-            print(f"{program}: cannot write to standard output: {reason}", file=sys.stderr)
+        print(f"{program}: cannot write to standard output: {reason}", file=sys.stderr)
         return code or _UNTOLD
 
 
-def _output() -> _Output:
-    """Put an `_Output` in the place of standard output."""
-    before: Any = sys.stdout
+def _replaced(name: str) -> _Output:
+    """Put an `_Output` in the place of ``sys.stdout`` or ``sys.stderr``."""
+    before: Any = getattr(sys, name)
     if before is None:  # it was closed from the start
         before = os.fdopen(os.open(os.devnull, os.O_WRONLY), "w", encoding="utf-8")
     raw = _Output(before)
-    sys.stdout = io.TextIOWrapper(
+    replacement = io.TextIOWrapper(
         io.BufferedWriter(raw),
         encoding=before.encoding,
         errors=before.errors,
         line_buffering=before.line_buffering or before.write_through,
     )
+    setattr(sys, name, replacement)
     return raw
 
 
@@ -108,7 +107,8 @@ def start(module: str, stopped: int | None = 0) -> int:
 
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, leave)
-    output = _output()
+    output = _replaced("stdout")
+    _replaced("stderr")  # a bar of progress that nobody sees is no reason to stop
     try:
         code: Any = importlib.import_module(module).main()
         served = stopped == 0
