@@ -21,7 +21,7 @@ import sys
 import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Final, TextIO
+from typing import Any, Final
 
 from fuzzy_map_building.parameter_schema import suggest
 from fuzzy_map_building.params import PRESETS as MAPPER_PRESETS
@@ -165,7 +165,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             nonlocal told
             if not told and ready.all_up:
                 told = True
-                _write(f"bringup: started {', '.join(commands)}; Ctrl-C stops them", sys.stdout)
+                print(f"bringup: started {', '.join(commands)}; Ctrl-C stops them", flush=True)
                 tell_ready()
             return stop.requested
 
@@ -185,13 +185,7 @@ def _assignment(name: str, value: object) -> str:
 
 
 def _say(sentence: str) -> None:
-    _write(f"bringup: {sentence}", sys.stderr)
-
-
-def _write(line: str, stream: TextIO) -> None:
-    # A full disk behind the log, or a reader that has gone, must not stop a robot that works.
-    with contextlib.suppress(OSError):
-        print(line, file=stream, flush=True)
+    print(f"bringup: {sentence}", file=sys.stderr, flush=True)
 
 
 def _exit_code(first: Ended | None, ends: Sequence[Ended]) -> int:
