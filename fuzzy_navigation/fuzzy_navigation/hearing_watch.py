@@ -28,7 +28,7 @@ Points = NDArray[np.float64]
 ROUNDS = 4
 #: One in so many readings may be an echo all the same: a ring that is all but deaf.
 STRAY = 32
-#: So many points that infrareds see, or that echoes came from, have to be in silent beams.
+#: So many points that infrareds see, or that echoes came from, have to be in the beams.
 WITNESSES = 3
 #: Part of the sonars' greatest range within which echoes that came before are to be heard again.
 CLOSE = 0.5
@@ -89,7 +89,7 @@ class HearingWatch:
         if len(self._beams) < count or sum(b[3] for b in self._beams) > count // STRAY:
             return ""
         silence = "hardly any sonar hears an echo"
-        beams = np.array([beam[:3] for beam in self._beams if not beam[3]])
+        beams = np.array(self._beams)
         close = CLOSE * self._sonar.max_range
         if (witnesses := self._in_beams(seen, beams, close)) >= WITNESSES:
             return f"{silence}, though infrareds see {witnesses} points that should echo"
@@ -105,7 +105,7 @@ class HearingWatch:
         return ""
 
     def _in_beams(self, points: Points, beams: Points, close: float) -> int:
-        """Return how many points lie in silent beams, less than a distance [m] away."""
+        """Return how many points lie in beams, no farther than a distance [m]."""
         x, y = points[:, None, 0] - beams[:, 0], points[:, None, 1] - beams[:, 1]
         inside = np.cos(np.arctan2(y, x) - beams[:, 2]) >= math.cos(
             0.5 * self._sonar.field_of_view
@@ -113,7 +113,7 @@ class HearingWatch:
         return int((inside & (np.hypot(x, y) <= close)).any(axis=1).sum())
 
     def _all_around(self, beams: Points) -> bool:
-        """Whether the silent beams leave no gap between them."""
+        """Whether the beams leave no gap between them."""
         angles = np.sort(np.mod(beams[:, 2], math.tau))
         gaps = np.diff(angles, append=angles[0] + math.tau)
         return bool(gaps.max() <= self._sonar.field_of_view)

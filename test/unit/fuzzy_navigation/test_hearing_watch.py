@@ -163,6 +163,17 @@ def test_a_robot_that_hears_again_goes_on() -> None:
     assert finish_of(script.run()).outcome is Outcome.REACHED
 
 
+def test_after_a_jump_of_the_pose_echoes_of_before_prove_nothing() -> None:
+    script = Script(motion_parameters())
+    script.set_out(GOAL)
+    while script.pose.x < 1.5:
+        script.tick()
+    script.heard = nothing
+    script.pose = Pose2(script.pose.x + 0.5, script.pose.y, script.pose.theta)
+    script.perceive(script.run())
+    assert "as if all were deaf" in script.mission.feedback().hold
+
+
 @pytest.mark.parametrize("overrides", [{"sonar_guard.enabled": False}, {"watch.open_space": True}])
 def test_sonars_that_guard_nothing_or_may_be_in_open_space_need_not_hear(overrides: dict) -> None:
     script = Script(motion_parameters(overrides=overrides))
