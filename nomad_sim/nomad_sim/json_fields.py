@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 import typing
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -22,7 +23,7 @@ def _whole(value: Any) -> bool:
 
 
 def _number(value: Any) -> bool:
-    return type(value) is float or _whole(value)
+    return (type(value) is float and not math.isnan(value)) or _whole(value)
 
 
 #: What a value must be, by the field's declared type; others are left to the caller.
@@ -48,7 +49,8 @@ def checked_fields(cls: type, values: Any) -> dict[str, Any]:
     Raises
     ------
     ValueError
-        If it is no mapping, has more or fewer names, or a value is not of its type.
+        If it is no mapping, has more or fewer names, or a value is not of its type; NaN is no
+        number.
 
     Examples
     --------

@@ -47,12 +47,18 @@ class TrialFile:
     Raises
     ------
     ValueError
-        If the file holds results of another configuration, is being written to, or is none.
+        If the file holds results of another configuration or of a mission twice, is being
+        written to, or is none.
     OSError
         If it cannot be opened.
     """
 
     def __init__(self, path: Path, configuration: dict[str, Any]) -> None:
+        # A pipe would wait for whoever writes to it, and a device may give without end.
+        if path.exists() and not path.is_file():
+            raise ValueError(
+                f"{path} is a folder, a device or a pipe; remove it or use another --output"
+            )
         self.path = path
         self.results: dict[tuple[str, int], TrialResult] = {}
         # Without a buffer: what could not be written would be tried again when it is closed.
@@ -98,25 +104,34 @@ class TrialFile:
         self._file.truncate(len(whole))
         if not whole:
             self._write(header)
-        self.results = {(r.kind, r.mission.seed): r for r in results}
+        self.results = results
 
-    def _results(self, lines: Sequence[bytes]) -> list[TrialResult]:
+    def _results(self, lines: Sequence[bytes]) -> dict[tuple[str, int], TrialResult]:
         """Return what the lines below the first one hold."""
-        results = []
+        results: dict[tuple[str, int], TrialResult] = {}
+        line_of: dict[tuple[str, int], int] = {}
         damaged: dict[int, Exception] = {}
         for number, line in enumerate(lines, start=2):
             try:
-                results.append(TrialResult.from_json(json.loads(line)))
+                result = TrialResult.from_json(json.loads(line))
+                mission = result.kind, result.mission.seed
+                if mission in results:
+                    raise ValueError(
+                        f"mission {result.kind} {result.mission.seed} is in line "
+                        f"{line_of[mission]} already"
+                    )
             except (ValueError, RecursionError) as error:
                 damaged[number] = error
+            else:
+                results[mission], line_of[mission] = result, number
         if damaged:
             number, first = next(iter(damaged.items()))
             # Of JSON that ends amiss without its place, which would be that in the line.
             reason = getattr(first, "msg", first)
             more = f" ({len(damaged) - 1} more are damaged as well)" if len(damaged) > 1 else ""
             raise ValueError(
-                f"{self.path}: line {number} holds no trial of this version: {reason}{more}; "
-                "remove it, and its mission is run again, or use another --output"
+                f"{self.path}: line {number} cannot be taken: {reason}{more}; remove it, and a "
+                "mission that no line holds is run again, or use another --output"
             ) from first
         return results
 

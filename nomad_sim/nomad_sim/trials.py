@@ -8,8 +8,9 @@ thousand of them are made at once and sent to other processes and machines for l
 
 from __future__ import annotations
 
+import math
 import shlex
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -20,10 +21,50 @@ from nomad_sim.json_fields import checked_fields
 from nomad_sim.missions import MissionResult, MissionSpec, run_spec
 from nomad_sim.shortest_way import length_of, shortest_way
 from nomad_sim.world import World
-from nomad_sim.worlds import generate
+from nomad_sim.worlds import KINDS, generate
+from nomad_sim.worlds.draws import MATERIAL_CLASSES
 from nomad_sim.worlds.floor_plan import PLAN_KIND, load_floor_plan, plan_world
 
 __all__ = ["Rules", "Trial", "TrialBatch", "TrialResult", "run_trial"]
+
+# What texts of a trial can be.
+_CHOICES: Mapping[str, Collection[str]] = {
+    "kind": (*KINDS, PLAN_KIND),
+    "material": tuple(MATERIAL_CLASSES),
+    "glass": ("none", "seen", "unseen"),
+    "truth": tuple(truth.value for truth in Reachability),
+    "outcome": tuple(Outcome.__members__),
+}
+# No mission measures or counts more of anything [m, rad, s, times].
+_MANY = 1e9
+# What numbers of a trial can be, ends included, where that is not from -_MANY to _MANY.
+_BOUNDS: Mapping[str, tuple[float, float]] = {
+    "beam": (0.0, 90.0),
+    "door": (0.0, _MANY),
+    "people": (0, _MANY),
+    # Without a way, and without a wall that could be heard, they are infinite.
+    "way_clearance": (-math.inf, math.inf),
+    "min_clearance": (-1.0, math.inf),
+    "shortest": (1e-3, _MANY),
+    "seed": (0, math.inf),
+    "perceptions": (0, _MANY),
+    "path_length": (0.0, _MANY),
+    "contacts": (0, _MANY),
+    "duration": (0.0, _MANY),
+    "wall_time": (0.0, _MANY),
+}
+
+
+def _assert_possible(values: Mapping[str, Any]) -> None:
+    """Raise ValueError for a value of the right type that no trial has."""
+    for name, value in values.items():
+        if name in _CHOICES and value not in _CHOICES[name]:
+            raise ValueError(
+                f"{name} must be one of {', '.join(_CHOICES[name])}, got {shown(value)}"
+            )
+        low, high = _BOUNDS.get(name, (-_MANY, _MANY))
+        if isinstance(value, (int, float)) and not low <= value <= high:
+            raise ValueError(f"{name} must be from {low:g} to {high:g}, got {shown(value)}")
 
 
 @dataclass(frozen=True)
@@ -215,12 +256,7 @@ class TrialResult:
         """
         values = checked_fields(cls, values)
         mission = MissionResult(**checked_fields(MissionResult, values["mission"]))
-        if mission.outcome not in Outcome.__members__:
-            raise ValueError(f"outcome {shown(mission.outcome)} is no verdict")
-        if values["truth"] not in {truth.value for truth in Reachability}:
-            raise ValueError(f"truth {shown(values['truth'])} is none")
-        if values["shortest"] is not None and not values["shortest"] > 0.0:
-            raise ValueError(f"shortest must be above 0, got {values['shortest']}")
+        _assert_possible({**values, **asdict(mission)})
         return cls(**{**values, "mission": mission})
 
 

@@ -6,6 +6,7 @@ import csv
 import fcntl
 import json
 import math
+import os
 import shlex
 import sys
 from dataclasses import asdict, replace
@@ -202,7 +203,7 @@ def test_a_file_that_holds_something_else_is_refused(
     with (tmp_path / "t").open("a") as raw:
         raw.write(line + "\n")
     before = (tmp_path / "t").read_bytes()
-    with pytest.raises(ValueError, match=r"line 3 holds no trial of this version.*; remove it"):
+    with pytest.raises(ValueError, match=r"line 3 cannot be taken: .*; remove it"):
         TrialFile(tmp_path / "t", {})
     assert (tmp_path / "t").read_bytes() == before
 
@@ -219,16 +220,43 @@ def test_a_damaged_line_is_named_and_its_mission_run_again(
     cut = lines[2][:50] + lines[3]
     zeros = b"\0" * 400 + b"\n"
     path.write_bytes(b"".join([*lines[:2], cut, lines[4], zeros]))
-    with pytest.raises(ValueError, match=r"t: line 3 holds .*: Expecting .* \(1 more are dam"):
+    with pytest.raises(ValueError, match=r"t: line 3 cannot .*: Expecting .* \(1 more are dam"):
         TrialFile(path, {})
     path.write_bytes(b"".join([*lines[:2], lines[4], zeros]))
-    with pytest.raises(ValueError, match=r"t: line 4 holds no trial of this version: .*[^)]; rem"):
+    with pytest.raises(ValueError, match=r"t: line 4 cannot be taken: .*[^)]; rem"):
         TrialFile(path, {})
     # What follows the last line's end was not written to its end: it needs no hand.
-    path.write_bytes(b"".join([*lines[:2], lines[4], lines[4], zeros[:-1]]))
+    path.write_bytes(b"".join([*lines[:2], lines[4], zeros[:-1]]))
     with TrialFile(path, {}) as file:
         assert [seed for _, seed in file.results] == [1, 4]
-    assert path.read_bytes() == b"".join([*lines[:2], lines[4], lines[4]])
+    assert path.read_bytes() == b"".join([*lines[:2], lines[4]])
+
+
+def test_a_mission_that_is_there_twice_is_refused(tmp_path: Path, result: TrialResult) -> None:
+    path = tmp_path / "t"
+    with TrialFile(path, {}) as file:
+        for kind, seed in (("clutter", 1), ("clutter", 2), ("maze", 1)):
+            file.add(replace(result, kind=kind, mission=replace(result.mission, seed=seed)))
+    lines = path.read_bytes().splitlines(keepends=True)
+    path.write_bytes(b"".join([*lines, lines[2]]))
+    with pytest.raises(
+        ValueError, match=r"t: line 5 .*: mission clutter 2 is in line 3 already; remove it"
+    ):
+        TrialFile(path, {})
+    assert path.read_bytes() == b"".join([*lines, lines[2]])
+
+
+@pytest.mark.parametrize("what", ["pipe", "folder", "device"])
+def test_what_is_no_file_is_refused_at_once(what: str, tmp_path: Path) -> None:
+    path = tmp_path / "t"
+    if what == "pipe":
+        os.mkfifo(path)
+    elif what == "folder":
+        path.mkdir()
+    else:
+        path.symlink_to("/dev/zero")
+    with pytest.raises(ValueError, match=r"t is a folder, a device or a pipe; remove it or use"):
+        TrialFile(path, {})
 
 
 @pytest.mark.parametrize("first", ["nonsense", "\0" * 40, "[" * 100_000])
@@ -258,6 +286,24 @@ def test_a_file_without_its_first_line_is_refused(first: str, tmp_path: Path) ->
         ("mission.truthful", 1),
         ("mission.path_length", None),
         ("mission.min_clearance", "0"),
+        ("kind", "ofice"),
+        ("material", "soft"),
+        ("beam", -1.0),
+        ("glass", "perhaps"),
+        ("people", -1),
+        ("way_clearance", math.nan),
+        ("shortest", math.inf),
+        ("mission.seed", -1),
+        ("mission.start_x", math.inf),
+        ("mission.perceptions", -1),
+        ("mission.path_length", -0.5),
+        ("mission.path_length", math.nan),
+        ("mission.path_length", 1e300),
+        ("mission.min_clearance", -5.0),
+        ("mission.min_clearance", math.nan),
+        ("mission.contacts", -1),
+        ("mission.duration", -1.0),
+        ("mission.wall_time", math.inf),
     ],
 )
 def test_a_value_that_no_trial_has_is_refused(
