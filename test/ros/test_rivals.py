@@ -9,7 +9,9 @@ import signal
 from collections.abc import Callable, Iterator
 
 import pytest
+from fuzzy_msgs.action import BuildMap
 from geometry_msgs.msg import Twist
+from rclpy.action import ActionServer
 from std_srvs.srv import Trigger
 
 from fuzzy_map_building.ros import names, qos
@@ -65,6 +67,20 @@ def test_servers_are_counted(probe: Probe, other: Probe) -> None:
     assert [rivals.look() for _ in range(LOOKS)] == [""] * (LOOKS - 1) + [text]
 
 
+def test_servers_of_an_action_are_counted(probe: Probe, other: Probe) -> None:
+    rivals = Rivals(probe.node, actions=[names.BUILD_MAP])
+    servers = [
+        ActionServer(each.node, BuildMap, names.BUILD_MAP, lambda _: BuildMap.Result())
+        for each in (probe, other)
+    ]
+    goals = f"{names.BUILD_MAP}/_action/send_goal"
+    wait_until(lambda: probe.node.count_services(goals) == 2, "both servers")
+    text = f"'/build_map' has 2 servers: {ADVICE}"
+    assert [rivals.look() for _ in range(LOOKS)] == [""] * (LOOKS - 1) + [text]
+    for server in servers:
+        server.destroy()
+
+
 def said(robot: Robot) -> dict[str, str]:
     """Return the newest message of each node."""
     statuses = [s for array in list(robot.diagnostics.messages) for s in array.status]
@@ -81,10 +97,10 @@ def test_two_bringups_tell_of_each_other_while_both_are_there(
     mapper = "(/fuzzy_mapper, /fuzzy_mapper)"
     expected = {
         names.MOTION_NODE: f"'/cmd_vel' has 2 publishers {motion}; "
-        f"'/cmd_vel_stamped' has 2 publishers {motion}: {ADVICE}",
+        f"'/cmd_vel_stamped' has 2 publishers {motion}; '/navigate' has 2 servers: {ADVICE}",
         names.MAPPER_NODE: f"'/turret/command' has 2 publishers {mapper}; "
         f"'/motion_map' has 2 publishers {mapper}; '/planning_map' has 2 publishers {mapper}; "
-        f"'/map' has 2 publishers {mapper}: {ADVICE}",
+        f"'/map' has 2 publishers {mapper}; '/build_map' has 2 servers: {ADVICE}",
         names.PLANNER_NODE: f"'/plan_path' has 2 servers: {ADVICE}",
     }
     for process in (robot.process, second):

@@ -71,7 +71,9 @@ class MapperNode(Node):
         self._maps = MapPublisher(self, self._mapper, p.publishing)
         self._turret = self.create_publisher(Float64, names.TURRET_COMMAND, qos.RELIABLE)
         alone = Rivals(
-            self, (names.TURRET_COMMAND, names.MOTION_MAP, names.PLANNING_MAP, names.MAP)
+            self,
+            (names.TURRET_COMMAND, names.MOTION_MAP, names.PLANNING_MAP, names.MAP),
+            actions=(names.BUILD_MAP,),
         )
         self._diagnostics = Diagnostics(self, self._diagnostic_values, self._problem, alone)
         self._settings.on_refusal = self._diagnostics.reject

@@ -26,6 +26,8 @@ __all__ = ["Rivals"]
 LOOKS: Final = 3
 #: What the middleware calls a node whose name it does not know.
 UNKNOWN: Final = "_NODE_NAME_UNKNOWN_"
+# An action is served by services; this one takes its goals.
+_GOALS_OF_ACTION: Final = "/_action/send_goal"
 
 
 class Rivals:
@@ -35,16 +37,23 @@ class Rivals:
     ----------
     node : Node
         Who publishes and serves.
-    topics, services : sequence of str
+    topics, services, actions : sequence of str
         What no other node should publish and serve, as the node names it.
     """
 
     def __init__(
-        self, node: Node, topics: Sequence[str] = (), services: Sequence[str] = ()
+        self,
+        node: Node,
+        topics: Sequence[str] = (),
+        services: Sequence[str] = (),
+        actions: Sequence[str] = (),
     ) -> None:
         self._node = node
         self._topics = tuple(node.resolve_topic_name(topic) for topic in topics)
-        self._services = tuple(node.resolve_service_name(service) for service in services)
+        self._services = tuple(
+            node.resolve_service_name(service)
+            for service in (*services, *(f"{action}{_GOALS_OF_ACTION}" for action in actions))
+        )
         self._looks: Counter[str] = Counter()
         self._told: frozenset[str] = frozenset()
 
@@ -78,7 +87,7 @@ class Rivals:
 
     def _told_of(self, name: str, count: int) -> str:
         if name in self._services:
-            return f"'{name}' has {count} servers"
+            return f"'{name.removesuffix(_GOALS_OF_ACTION)}' has {count} servers"
         infos = self._node.get_publishers_info_by_topic(name)
         nodes = sorted(
             "one of unknown name"  # the middleware hears of nodes and their topics one by one

@@ -98,7 +98,7 @@ class MotionNode(Node):
         self._missions = 0
         self._verdicts: dict[int, Callable[[Finish], None]] = {}
         self._counts: Counter[str] = Counter()
-        alone = Rivals(self, (names.CMD_VEL, names.STAMPED_CMD_VEL))
+        alone = Rivals(self, (names.CMD_VEL, names.STAMPED_CMD_VEL), actions=(names.NAVIGATE,))
         self._diagnostics = Diagnostics(self, self._values, self._problem, alone)
         self._settings.on_refusal = self._diagnostics.reject
         self._cmd_vel = self.create_publisher(Twist, names.CMD_VEL, qos.RELIABLE)
