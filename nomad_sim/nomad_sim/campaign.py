@@ -151,6 +151,8 @@ def _replay(options: Options) -> int:
     (spec,) = batch.specs
     mission = spec.mission()
     title = f"{batch.name}, seed {spec.seed}"
+    if not options.as_json:
+        print(f"{batch.name}: {batch.description}; seed {spec.seed}", flush=True)
     unwritten: list[OSError] = []
 
     def draw(now: HeadlessMission, heading: str, name: str) -> None:

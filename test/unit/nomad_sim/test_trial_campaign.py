@@ -117,6 +117,7 @@ def test_tables_hold_what_was_drawn_and_the_command_that_repeats_it(
     assert words[:4] == ["ros2", "run", "nomad_sim", "campaign"]
     monkeypatch.chdir(tmp_path)
     assert main(words[4:]) == 0
+    assert capsys.readouterr().out.startswith("clutter_2: drawn: clutter; seed 2\n")
     folder = tmp_path / "clutter_2"
     document = json.loads((folder / "mission.json").read_text())
     (whole,) = missions(tmp_path / "out")
