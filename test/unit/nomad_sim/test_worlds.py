@@ -3,7 +3,9 @@
 """The worlds that come with the package: their verdicts, sizes and passages."""
 
 import math
+import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -28,6 +30,25 @@ def free(world, x, y, degrees):
 def test_the_worlds_are_there():
     named = {"corridor", "lab", "lab_person", "office", "slalom", "unreachable"}
     assert named <= set(world_names())
+
+
+def test_readme_tells_areas_starts_and_goals():
+    readme = (Path(__file__).resolve().parents[3] / "README.md").read_text(encoding="utf-8")
+    section = readme.partition("\n## Worlds\n")[2].partition("\n## ")[0]
+    rows = [line.strip("| ").split(" | ") for line in section.splitlines() if "deg | (" in line]
+    told = {name: row[1:] for row in rows for name in re.findall(r"`(\w+)`", row[0])}
+    assert told == {world.name: in_a_row(world) for world in map(load_world, world_names())}
+
+
+def in_a_row(world):
+    """Return area, start and goal as README tells them."""
+    assert world.origin == (0.0, 0.0)
+    start, degrees = world.start, math.degrees(world.start.theta)
+    return [
+        "{:g} x {:g}".format(*world.size),
+        f"({start.x:g}, {start.y:g}), {degrees:g} deg",
+        "({:g}, {:g})".format(*world.goal),
+    ]
 
 
 @pytest.mark.parametrize("name", world_names())
