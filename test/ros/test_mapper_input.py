@@ -200,6 +200,23 @@ def test_readings_of_a_moving_robot_are_placed_at_their_own_stamps(bench: Bench)
     bench.wait_for_value("perceptions", 1)
 
 
+def test_a_robot_outside_the_area_is_told_of_while_it_is_there(bench: Bench) -> None:
+    def message() -> str:
+        text: str = bench.diagnostics.last.status[0].message
+        return text
+
+    told = (
+        "the robot at (9.00, -1.50) m stands outside the mapped area, x 0 to 7.6 m and y 0 to "
+        "6.3 m, where it can be given no goal: set 'area.origin_x', 'area.origin_y', "
+    )
+    for k in range(3):
+        bench.pose(-0.3 + 0.1 * k, 9.0, -1.5)
+    wait_until(lambda: message().startswith(told), "the diagnostics to tell")
+    assert bench.log().count(told) == 1
+    bench.pose(0.0, 2.0, 3.0)
+    wait_until(lambda: message() == "ok", "the diagnostics to be content")
+
+
 def test_readings_wait_for_their_pose_and_are_given_up_after_the_limit(bench: Bench) -> None:
     bench.pose(-0.1, 2.0, 3.0)
     bench.joint(-0.1, 0.0)

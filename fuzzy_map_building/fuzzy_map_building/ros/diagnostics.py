@@ -26,11 +26,11 @@ from fuzzy_map_building.ros import names, qos
 from fuzzy_map_building.ros.clock import create_steady_timer
 from fuzzy_map_building.ros.rivals import Rivals
 
-__all__ = ["Diagnostics"]
+__all__ = ["LOG_PERIOD", "Diagnostics"]
 
 #: Time between two messages [s of wall time]; a standing /clock must not silence them.
 PERIOD: Final = 1.0
-#: Least time between two log lines about the same kind of refusal [s of wall time].
+#: Least time between two log lines about the same kind of refusal or problem [s of wall time].
 LOG_PERIOD: Final = 5.0
 
 

@@ -23,6 +23,7 @@ from sensor_msgs.msg import JointState, Range
 from std_msgs.msg import Float64
 
 from fuzzy_map_building.continuous import ContinuousGathering
+from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.infrared_gathering import InfraredGatherer
 from fuzzy_map_building.map_folder import MapFolder
 from fuzzy_map_building.map_grids import MapGrids
@@ -37,14 +38,14 @@ from fuzzy_map_building.ros.clock import create_steady_timer, now_seconds, on_cl
 from fuzzy_map_building.ros.clock_gate import ClockGate
 from fuzzy_map_building.ros.conversions import Refused
 from fuzzy_map_building.ros.declarations import declare_mapper
-from fuzzy_map_building.ros.diagnostics import Diagnostics
+from fuzzy_map_building.ros.diagnostics import LOG_PERIOD, Diagnostics
 from fuzzy_map_building.ros.explanations import explanations
 from fuzzy_map_building.ros.map_publisher import MapPublisher
 from fuzzy_map_building.ros.map_services import MapServices
 from fuzzy_map_building.ros.rivals import Rivals
 from fuzzy_map_building.ros.run import spin_node
 from fuzzy_map_building.ros.snapshots import SnapshotWriter
-from fuzzy_map_building.types import RangeReading, SonarReading
+from fuzzy_map_building.types import Pose2, RangeReading, SonarReading
 from fuzzy_map_building.wording import counted
 
 __all__ = ["MapperNode", "main"]
@@ -78,6 +79,7 @@ class MapperNode(Node):
         self._diagnostics = Diagnostics(self, self._diagnostic_values, self._problem, alone)
         self._settings.on_refusal = self._diagnostics.reject
         self._gate = ClockGate(self, self._diagnostics)
+        self._astray = ""
         if refusal:
             self._refuse_snapshot(f"the map begins empty: {refusal}")
         self._build_map = BuildMapServer(
@@ -140,7 +142,14 @@ class MapperNode(Node):
             return
         if self._gate.admits(names.POSE):
             self._assembler.add_pose(stamp, pose, now_seconds(self))
+            self._locate(pose)
         self._advance()
+
+    def _locate(self, pose: Pose2) -> None:
+        """Take note of a robot that stands where nothing is mapped, and tell of it once."""
+        before, self._astray = self._astray, _astray(pose, self._mapper.geometry)
+        if self._astray and not before:
+            self.get_logger().warning(self._astray, throttle_duration_sec=LOG_PERIOD)
 
     def _on_joint_state(self, message: JointState) -> None:
         try:
@@ -319,7 +328,21 @@ class MapperNode(Node):
 
     def _problem(self) -> str:
         failure = self._build_map.failure
-        return f"the last perception failed: {failure}" if failure else ""
+        failed = f"the last perception failed: {failure}" if failure else ""
+        return "; ".join(filter(None, (failed, self._astray)))
+
+
+def _astray(pose: Pose2, geometry: GridGeometry) -> str:
+    """Return that a robot stands where nothing is mapped, in words; empty if it does not."""
+    if geometry.contains(pose.x, pose.y):
+        return ""
+    x0, y0, x1, y1 = geometry.bounds
+    return (
+        f"the robot at ({pose.x:.2f}, {pose.y:.2f}) m stands outside the mapped area, x {x0:g} to "
+        f"{x1:g} m and y {y0:g} to {y1:g} m, where it can be given no goal: set 'area.origin_x', "
+        "'area.origin_y', 'area.size_x' and 'area.size_y' at the start so that the area holds "
+        f"all places of the robot, or find out why '{names.POSE}' says so"
+    )
 
 
 def _continuous(parameters: MapperParameters) -> ContinuousGathering | None:
