@@ -80,7 +80,7 @@ class Mission(MissionState):
         if self._area and (refusal := verdicts.outside(self._record, self._area.geometry)):
             commands += self._finish(refusal)
         elif self._pose_age() > self._p.timeout.pose:
-            self._hold.begin(self._time.elapsed, "no pose has come yet: is 'pose' published?")
+            self._hold.begin(self._time.elapsed, self._poseless("has come yet"))
         else:
             commands += self._set_out()
         return tuple(commands)
@@ -121,7 +121,7 @@ class Mission(MissionState):
         self._advance(now)
         before, age = self._pose, self._pose_age()
         dt = min(age, LONGEST_TICK)
-        self._pose, self._pose_time = pose, self._time.elapsed
+        self._stand_at(pose)
         if not self.active:
             return ()
         self._record.pass_by(pose, self._around.clearance(now, pose))
@@ -263,7 +263,7 @@ class Mission(MissionState):
         """Stop, ask again or give up for what did not come in time."""
         p, time = self._p.timeout, self._time.elapsed
         age = time - max(self._pose_time, self._record.started, self._resumed)
-        if age > p.pose and (commands := self._stand(f"no pose for {age:.1f} s")):
+        if age > p.pose and (commands := self._stand(self._poseless(f"for {age:.1f} s"))):
             return commands
         if self._request.due(time):
             return self._plan() if self._state is State.PLANNING else self._perceive()

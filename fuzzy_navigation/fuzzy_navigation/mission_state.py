@@ -49,6 +49,7 @@ class MissionState:
         self._area: ExploredArea | None = None
         self._pose: Pose2 | None = None
         self._pose_time = self._resumed = -math.inf
+        self._pose_refusal = ""
         self._time = MissionTime()
         self._state = State.IDLE
         self._record = MissionRecord(0, Pose2(0.0, 0.0), 0.0, 0.0)
@@ -107,6 +108,10 @@ class MissionState:
         if skipped > self._p.timeout.pose:
             self._motion.halt()  # without commands it has come to stand
 
+    def pose_refused(self, why: str) -> None:
+        """Take note of a pose that cannot be used, so that it can be told why none came."""
+        self._pose_refusal = why
+
     @property
     def active(self) -> bool:
         """Whether a mission runs."""
@@ -154,6 +159,15 @@ class MissionState:
         """Forget what belongs to the mission before."""
         for memory in (self._motion, self._tried, self._doubts):
             memory.forget()
+
+    def _stand_at(self, pose: Pose2) -> None:
+        self._pose, self._pose_time, self._pose_refusal = pose, self._time.elapsed, ""
+
+    def _poseless(self, since: str) -> str:
+        """Return that there is no pose and why, as far as it is known."""
+        if self._pose_refusal:
+            return f"no usable pose {since}; the last was refused: {self._pose_refusal}"
+        return f"no pose {since}: is 'pose' published?"
 
     def _pose_age(self) -> float:
         return self._time.elapsed - self._pose_time

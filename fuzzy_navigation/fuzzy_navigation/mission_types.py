@@ -135,6 +135,13 @@ class Finish:
     min_clearance: float
     duration: float
 
+    def __str__(self) -> str:
+        """Return the verdict in a line."""
+        return (
+            f"mission {self.mission} {self.outcome.name}: {self.message} "
+            f"({self.perceptions} perceptions, {self.path_length:.2f} m, {self.duration:.1f} s)"
+        )
+
 
 Command = Perceive | Plan | Drive | Finish
 Commands = tuple[Command, ...]

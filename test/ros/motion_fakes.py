@@ -62,6 +62,7 @@ class FakeRobot:
         """Let everything work that a test has broken."""
         self.distance = math.inf
         self.clock_runs = self.poses_come = True
+        self.pose_offset = 0.0
         self.infrared_come = [True, True]
 
     def forget(self) -> None:
@@ -115,6 +116,7 @@ class FakeRobot:
                 self.infrared.publish(message)
         if self.poses_come:
             self.poses.append(time.monotonic())
+            stamp = stamp_from_seconds(self.time + self.pose_offset)
             self._pose.publish(pose_to_msg(Pose2(self.x, self.y, self.theta), stamp))
 
 

@@ -322,6 +322,15 @@ def test_a_silence_that_does_not_end_ends_the_mission(scene: Scene, source: str)
     assert scene.robot.stands
 
 
+def test_the_verdict_says_why_no_pose_can_be_used(scene: Scene) -> None:
+    handle = scene.go(3.5, 2.5)
+    scene.robot.pose_offset = 1e6  # of another clock
+    result = scene.result(handle).result
+    assert result.outcome == RESULT.FAILED
+    assert "no usable pose for" in result.message
+    assert "ahead of the clock: synchronise the clocks; is use_sim_time set" in result.message
+
+
 def test_the_diagnostics_say_why_the_robot_stands(scene: Scene) -> None:
     handle = scene.go(3.5, 2.5)
     scene.robot.clock_runs = False

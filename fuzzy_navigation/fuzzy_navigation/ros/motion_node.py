@@ -149,6 +149,7 @@ class MotionNode(Node):
             tick = self._ticks.on_pose(known_seconds(self), stamp, pose)
         except (Refused, Untimely) as refusal:
             self._diagnostics.reject(names.POSE, refusal.reason, str(refusal))
+            self._mission.pose_refused(str(refusal))
             return
         if self._echoes is not None:
             self._echoes.add_pose(stamp, pose)
@@ -310,15 +311,10 @@ class MotionNode(Node):
         self._mapper.cancel()
         self._planner.cancel()
         self._counts[f"missions.{finish.outcome.name.lower()}"] += 1
-        verdict = (
-            f"mission {finish.mission} {finish.outcome.name}: {finish.message} "
-            f"({finish.perceptions} perceptions, {finish.path_length:.2f} m, "
-            f"{finish.duration:.1f} s)"
-        )
         if finish.outcome is Outcome.REACHED:
-            self.get_logger().info(verdict)
+            self.get_logger().info(str(finish))
         else:
-            self.get_logger().warning(verdict)
+            self.get_logger().warning(str(finish))
         self._verdicts.pop(finish.mission)(finish)
 
     def _take_over(self, wanted: MotionParameters) -> None:

@@ -183,6 +183,24 @@ def test_a_goal_outside_the_map_is_refused(goal: tuple[float, float]) -> None:
     assert finish.mission == 2
 
 
+def test_what_was_wrong_with_the_poses_is_told_until_one_can_be_used() -> None:
+    script = Script()
+    script.mission.pose_refused("of another clock")
+    script.start(*GOAL)
+    told = "no usable pose has come yet; the last was refused: of another clock"
+    assert script.mission.feedback().hold == told
+    script.tick()
+    assert script.mission.feedback().hold == ""
+    assert script.mission.on_tick(script.now + 1.0) == ()
+    assert script.mission.feedback().hold == "no pose for 1.0 s: is 'pose' published?"
+    script.mission.pose_refused("of another clock")
+    finish = finish_of(script.mission.on_tick(script.now + 60.0))
+    assert finish.message == (
+        "the robot stood and waited in vain: no usable pose for 60.0 s; the last was refused: "
+        "of another clock"
+    )
+
+
 @pytest.mark.parametrize(
     ("poses", "words"),
     [
