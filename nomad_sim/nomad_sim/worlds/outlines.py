@@ -12,9 +12,9 @@ __all__ = ["MAX_SIDES", "enclosed", "outlines", "simplified"]
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
-#: Most sides between free and solid cells: several times what the plan of a large building has.
-#: They take about 0.4 kB each.
-MAX_SIDES = 1_000_000
+#: Most sides between free and solid cells: nine times what the plan of a building of 54 m by 59 m
+#: has in cells of 0.1 m. They take about 0.4 kB and 0.03 ms each.
+MAX_SIDES = 300_000
 
 #: A corner of cells: column, row.
 _Corner = tuple[int, int]

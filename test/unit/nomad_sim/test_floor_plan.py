@@ -3,6 +3,7 @@
 """Outlines of rasters against the cells themselves, and floor plans against their files."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,8 @@ from fuzzy_map_building.grid import GridGeometry
 from fuzzy_map_building.map_server import export_map_server, import_map_server
 from nomad_sim.ground_truth import Reachability, reachability
 from nomad_sim.simulator import Simulator
+from nomad_sim.world import World
+from nomad_sim.worlds import floor_plan
 from nomad_sim.worlds.draws import GOAL_TOLERANCE
 from nomad_sim.worlds.floor_plan import SIMPLIFIED, load_floor_plan, plan_world
 from nomad_sim.worlds.outlines import enclosed, outlines, simplified
@@ -125,9 +128,24 @@ def test_pairs_are_drawn_by_seed_apart_and_reachable(tmp_path: Path) -> None:
 
 
 def test_a_raster_of_noise_is_refused_before_its_sides_are_kept() -> None:
-    rows, columns = np.indices((1000, 1000))
-    with pytest.raises(ValueError, match=r"have 200[0-9]+ sides of cells, at most 1000000"):
+    rows, columns = np.indices((400, 400))
+    with pytest.raises(ValueError, match=r"have 320[0-9]+ sides of cells, at most 300000"):
         outlines((rows + columns) % 2 == 0)
+
+
+def test_a_plan_whose_places_do_not_join_is_given_up_in_time(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    looked: list[World] = []
+
+    def sealed(world: World) -> World:
+        looked.append(world)
+        return replace(world, properties={**world.properties, "truth": "unreachable"})
+
+    monkeypatch.setattr(floor_plan, "with_truth", sealed)
+    with pytest.raises(ValueError, match=r"m apart .* in 200 pairs of free places; is it a floor"):
+        plan_world(load_floor_plan(room(tmp_path)), 1)
+    assert len(looked) == 200
 
 
 def test_a_plan_without_room_is_refused(tmp_path: Path) -> None:
