@@ -173,6 +173,10 @@ def test_joint_position() -> None:
     message.position = [9.0, NAN]
     refused = refusal(lambda: conversions.joint_position(message, "turret_joint"))
     assert refused.reason == "not_finite"
+    for angle in (1.1e9, -1.7e308):
+        message.position = [9.0, angle]
+        refused = refusal(lambda: conversions.joint_position(message, "turret_joint"))
+        assert refused.reason == "too_large"
     message.position = [9.0, 0.0]
     message.header.stamp = Time()
     refused = refusal(lambda: conversions.joint_position(message, "turret_joint"))

@@ -217,6 +217,14 @@ def test_a_robot_outside_the_area_is_told_of_while_it_is_there(bench: Bench) -> 
     wait_until(lambda: message() == "ok", "the diagnostics to be content")
 
 
+def test_angles_between_which_none_lies_end_nothing(bench: Bench) -> None:
+    for after, angle in ((-0.2, 1.7e308), (-0.1, -1.7e308)):
+        bench.pose(after, 2.0, 3.0)
+        bench.joint(after, angle)
+    bench.range(-0.15, 0, 1.0)
+    bench.wait_for_rejected({"joint_states.too_large": 2})
+
+
 def test_readings_wait_for_their_pose_and_are_given_up_after_the_limit(bench: Bench) -> None:
     bench.pose(-0.1, 2.0, 3.0)
     bench.joint(-0.1, 0.0)

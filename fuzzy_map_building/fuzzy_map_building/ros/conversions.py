@@ -54,6 +54,9 @@ FIELD_OF_VIEW_TOLERANCE: Final = 1e-3
 #: taken for faults. A map may have its origin as far away; whether it holds robot and goal is
 #: for who uses it to say.
 MAX_COORDINATE: Final = 1e7
+#: Largest angle that a joint may have [rad], which one that turns without end has after years:
+#: beyond it is a fault, and between two of the largest numbers lies none.
+MAX_ANGLE: Final = 1e9
 
 
 class Refused(ValueError):
@@ -235,7 +238,7 @@ def joint_position(
     Raises
     ------
     Refused
-        ``no_position``, ``not_finite``, ``no_stamp`` or ``negative_stamp``.
+        ``no_position``, ``not_finite``, ``too_large``, ``no_stamp`` or ``negative_stamp``.
     """
     if joint not in message.name:
         return None
@@ -245,6 +248,12 @@ def joint_position(
     position = float(message.position[index])
     if not math.isfinite(position):
         raise Refused("not_finite", f"{what} has a position of '{joint}' of {position}")
+    if abs(position) > MAX_ANGLE:
+        raise Refused(
+            "too_large",
+            f"{what} has a position of '{joint}' of {position:g} rad, beyond {MAX_ANGLE:g} rad: "
+            "where in a turn that is is not known; does the driver tell radians?",
+        )
     return _stamp(message.header, what), position
 
 
