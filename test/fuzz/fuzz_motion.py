@@ -188,7 +188,8 @@ class Case:
         self.message("window", message, map_conversions.window_from_msg)
         if follower.taken > taken and area is self.node._mission._area and area is not None:
             self.counts["window taken"] += 1
-            rules = self.p.beta, self.p.robot_radius, self.p.augmentation
+            p = self.node._settings.values  # a case may set them
+            rules = p.beta, p.robot_radius, p.augmentation
             codes = area.codes
             assert codes is not None
             whole = ExploredArea(geometry, codes, *rules, self.node._mission._pose)

@@ -91,9 +91,10 @@ class Bench:
         self.wall += max(0.0, min(step, 2.0)) if draw.byte() % 4 else 0.0
         self.set(self.now + step)
 
-    def rejected(self) -> int:
-        """Return how much the node has refused and counted so far."""
-        return int(sum(self.node._diagnostics._counts.values()))
+    def rejected(self, kind: str = "") -> int:
+        """Return how much, or how much of a kind, the node has refused and counted so far."""
+        counts = self.node._diagnostics._counts.items()
+        return sum(int(count) for name, count in counts if name.startswith(kind))
 
     def ask_parameters(self, draw: Draw, names: Sequence[str], counts: Counter[str]) -> None:
         """Call one of the node's parameter services."""

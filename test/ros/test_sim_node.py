@@ -249,6 +249,15 @@ def test_the_rate_is_kept_and_a_slow_machine_is_told(robot: Robot) -> None:
         set_parameter(robot.probe, "rate", RATE)
 
 
+@pytest.mark.parametrize("rate", [1e-200, 5e-324])
+def test_time_almost_stands_and_goes_on(robot: Robot, rate: float) -> None:
+    try:
+        assert set_parameter(robot.probe, "rate", rate).successful
+    finally:
+        set_parameter(robot.probe, "rate", RATE)
+    robot.values()
+
+
 @pytest.mark.parametrize(
     ("name", "value", "reason"),
     [

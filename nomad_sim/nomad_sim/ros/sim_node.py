@@ -57,6 +57,8 @@ __all__ = ["TICK", "SimNode", "main"]
 
 #: Simulated time of a tick [s].
 TICK: Final = 0.05
+#: A timer takes no longer period [s]; of a rate just above 0 a tick's would be endless.
+LONGEST_WAIT: Final = 60.0
 #: How far stamps jump ahead at a reset [ns].
 RESET_JUMP: Final = 2_000_000_000
 #: A command beyond this multiple of the robot's limits is no speed that anybody meant.
@@ -137,7 +139,7 @@ class SimNode(Node):
 
     def _arm(self) -> None:
         """Set the timer to when there is something to do."""
-        wait = self._gate.wait(time.monotonic())
+        wait = min(self._gate.wait(time.monotonic()), LONGEST_WAIT)
         self._timer.timer_period_ns = max(1, round(wait * 1e9))
         self._timer.reset()
 
