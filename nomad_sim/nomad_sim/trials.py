@@ -55,7 +55,7 @@ _BOUNDS: Mapping[str, tuple[float, float]] = {
 }
 
 
-def _assert_possible(values: Mapping[str, Any]) -> None:
+def _check_possible(values: Mapping[str, Any]) -> None:
     """Raise ValueError for a value of the right type that no trial has."""
     for name, value in values.items():
         if name in _CHOICES and value not in _CHOICES[name]:
@@ -256,7 +256,7 @@ class TrialResult:
         """
         values = checked_fields(cls, values)
         mission = MissionResult(**checked_fields(MissionResult, values["mission"]))
-        _assert_possible({**values, **asdict(mission)})
+        _check_possible({**values, **asdict(mission)})
         return cls(**{**values, "mission": mission})
 
 
