@@ -20,7 +20,7 @@ def as_meant(value: float) -> str:
     >>> as_meant(float(np.float32(5.3))), as_meant(5.3)
     ('5.3', '5.3')
     """
-    if abs(value) > np.finfo(np.float32).max:
+    if abs(value) > float(np.finfo(np.float32).max):
         return str(value)
     single = np.float32(value)
     return str(single) if float(single) == value else str(value)
