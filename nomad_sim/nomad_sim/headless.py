@@ -169,7 +169,14 @@ class HeadlessMission:
         Returns
         -------
         MissionLog
+
+        Raises
+        ------
+        ValueError
+            If the time limit is negative or NaN.
         """
+        if not time_limit >= 0.0:
+            raise ValueError(f"the time limit must be 0 s or longer, got {time_limit!r}")
         began = time.perf_counter()
         logged = len(self.mission.log)
         while self.verdict is None:

@@ -72,7 +72,7 @@ def generate(kind: str, seed: int) -> World:
     Raises
     ------
     ValueError
-        For an unknown kind or a negative seed.
+        For an unknown kind, or a seed that is no whole number from 0 on.
 
     Examples
     --------
@@ -81,9 +81,9 @@ def generate(kind: str, seed: int) -> World:
     ('office', 'reachable')
     """
     if kind not in KINDS:
-        raise ValueError(f"unknown kind of world '{kind}'{suggest(kind, KINDS)}")
-    if seed < 0:
-        raise ValueError(f"the seed of a world must not be negative, got {seed}")
+        raise ValueError(f"unknown kind of world '{kind}'{suggest(str(kind), KINDS)}")
+    if not isinstance(seed, (int, np.integer)) or seed < 0:
+        raise ValueError(f"the seed of a world must be a whole number from 0 on, got {seed!r}")
     generator = np.random.default_rng([seed, KINDS.index(kind), RECIPE])
     finish = draw_finish(generator)
     for _ in range(_TRIES):

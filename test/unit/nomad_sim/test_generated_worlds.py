@@ -158,5 +158,11 @@ def test_people_stand_where_nobody_is_run_over_and_leave() -> None:
 def test_what_cannot_be_drawn_is_refused() -> None:
     with pytest.raises(ValueError, match="did you mean 'office'"):
         generate("ofice", 1)
-    with pytest.raises(ValueError, match="must not be negative"):
-        generate("office", -1)
+    with pytest.raises(ValueError, match="unknown kind of world 'None'"):
+        generate(None, 1)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("seed", [-1, 1.5, "1", None])
+def test_a_seed_is_a_whole_number(seed: object) -> None:
+    with pytest.raises(ValueError, match=f"whole number from 0 on, got {seed!r}"):
+        generate("office", seed)  # type: ignore[arg-type]

@@ -132,6 +132,12 @@ def test_too_long_a_mission_is_cancelled(room: World) -> None:
     assert 2.0 < log.duration < 2.0 + 3 * CONTROL_PERIOD
 
 
+@pytest.mark.parametrize("limit", [math.nan, -1.0])
+def test_no_time_is_no_time_limit(room: World, limit: float) -> None:
+    with pytest.raises(ValueError, match="time limit must be 0 s or longer"):
+        run_mission(room, time_limit=limit)
+
+
 def test_maps_reach_the_planner_as_messages_carry_them(room: World) -> None:
     """In whole percent, of the area that the world has."""
     mission = HeadlessMission(room, seed=2, planner={"robot_radius": 0.0})
