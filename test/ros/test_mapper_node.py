@@ -20,6 +20,7 @@ from nav_msgs.srv import GetMap
 from rcl_interfaces.srv import SetParameters
 from rclpy.action import ActionClient
 from rclpy.parameter import Parameter
+from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 
 from fuzzy_map_building.grid import GridGeometry
@@ -250,6 +251,8 @@ def test_a_robot_without_a_turret_perceives_where_its_sonars_look(
         parameters={"preset": "lachekhab", "perception.timeout": LONG},
         remap={"__ns": "/pioneer", "sonar": "/sonar", "pose": "/pose"},
     ).wait_for_output("mapping")
+    # The mapper has no use for them, but the robot waits for who hears it.
+    probe.subscribe(JointState, names.JOINT_STATES, qos.JOINT_STATES)
     robot = FakeRobot(probe, Pose2(3.0, 3.0), lambda sensor, angle: 1.0 + 0.1 * sensor)
     client = probe.action_client(BuildMap, "pioneer/build_map")
     status, result = perceive(probe, client)
