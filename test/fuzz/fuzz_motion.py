@@ -188,7 +188,7 @@ class Case:
         self.message("window", message, map_conversions.window_from_msg)
         if follower.taken > taken and area is self.node._mission._area and area is not None:
             self.counts["window taken"] += 1
-            p = self.node._settings.values  # a case may set them
+            p = self.node._mission._p  # some that a case sets wait for the end of a mission
             rules = p.beta, p.robot_radius, p.augmentation
             codes = area.codes
             assert codes is not None
