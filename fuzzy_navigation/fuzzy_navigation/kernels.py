@@ -192,7 +192,7 @@ def best_first(
     waiting = control[WAITING]
     bucket = control[BUCKET]
     expanded = control[EXPANDED]
-    # The last bucket that may hold an entry better than the path found, -1 without a path.
+    # Ticks of the path found, -1 without one.
     final = control[FINAL]
     longest = control[LONGEST]
     top = control[TOP]
@@ -222,7 +222,8 @@ def best_first(
             while buckets[slot] < 0:
                 bucket += 1
                 slot = bucket & slots
-            if 0 <= final < bucket:
+            # No entry of a better path has more: what decides ties may yet grow, `longest` too.
+            if final >= 0 and bucket > (final + longest) >> fine_bits:
                 over = True
                 break
             entry = buckets[slot] & _INDEX
@@ -241,7 +242,7 @@ def best_first(
         row = cell // width
         column = cell - row * width
         if cell == goal:
-            final = (int(so_far) + longest) >> fine_bits
+            final = int(so_far)
             continue
         if final >= 0:
             high = max(abs(goal_row - row), abs(goal_column - column))

@@ -36,6 +36,9 @@ __all__ = ["COSTS", "SearchResult", "admissible_cells", "find_path", "first_reac
 #: Path costs, and the algorithms that minimise them: A1, A2, A3.
 COSTS = ("g1", "g2", "g3")
 
+# With a larger constant all risks together weigh less than a step, on paths of 1000 cells.
+_MOST_EPSILON = 1000.0
+
 
 @dataclass(frozen=True)
 class SearchResult:
@@ -93,7 +96,7 @@ def find_path(
     adjacency : {4, 8}
         Neighbours of a cell.
     epsilon : float
-        Constant added to every risk, at least 0.
+        Constant added to every risk [0 to 1000].
     diagonal : {"unit", "sqrt2"}
         Cost of a diagonal step: that of a straight one, or sqrt(2) times it. The paper's
         is "unit". Without effect on g3.
@@ -127,8 +130,8 @@ def find_path(
     first, last = _cell(start, values.shape, "start"), _cell(goal, values.shape, "goal")
     _check_choice("cost", cost, COSTS)
     _check_choice("adjacency", adjacency, (4, 8))
-    if not (isinstance(epsilon, Real) and math.isfinite(epsilon) and epsilon >= 0.0):
-        raise ValueError(f"epsilon must be finite and not negative, got {epsilon!r}")
+    if not (isinstance(epsilon, Real) and 0.0 <= epsilon <= _MOST_EPSILON):
+        raise ValueError(f"epsilon must lie in [0, {_MOST_EPSILON:g}], got {epsilon!r}")
     factor, added = diagonal_factor(diagonal), float(epsilon)
     limit, closed = alpha, None
     if cut is not None:

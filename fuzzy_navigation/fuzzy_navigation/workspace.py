@@ -233,7 +233,8 @@ def _order(
         # From hundredth to hundredth of cost, and within that the nearest to the goal first.
         ticks = 2.0 ** (100 * farthest).bit_length()
         ahead, factors = (0, 0, kernels.STRAIGHT, beside, 0), [0.0] + [ticks] * 8
-        growth = int(ticks * dearest) + farthest
+        # Risks lie in [0, 1]; the constant on top is the same for all.
+        growth = int(ticks) + 1 + farthest
         fine_bits = _A3_BUCKET_BITS
     else:
         ticks = _TICKS

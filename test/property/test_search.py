@@ -15,6 +15,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components, dijkstra
 
 from fuzzy_navigation.search import find_path
+from fuzzy_navigation.workspace import Workspace
 
 MAPS = 1000
 BATCH = 100
@@ -174,7 +175,7 @@ def check_path(problem, result):
 
 @pytest.mark.parametrize("batch", range(MAPS // BATCH))
 def test_costs_equal_those_of_an_exact_solver(batch):
-    """Issue figure: 1,000 random maps with walls."""
+    """1,000 random maps with walls."""
     found = 0
     for seed in range(batch * BATCH, (batch + 1) * BATCH):
         problem = random_problem(seed)
@@ -242,6 +243,41 @@ def test_differences_too_small_for_the_order_of_the_search(scale):
                 least = problem.least_sum(power)
                 assert getattr(result, cost) - least <= 1e-13 * least, f"map {seed}"
     assert found > 40
+
+
+@pytest.mark.parametrize("adjacency", [4, 8])
+@pytest.mark.parametrize("most", [1e-3, 1e-4, 1e-6])
+def test_a3_goes_any_way_round_for_a_maximum_less_by_next_to_nothing(most, adjacency):
+    detours = 0
+    for seed in range(400):
+        problem = random_problem(seed)
+        rng = np.random.default_rng(seed)
+        shape = problem.risk.shape
+        small = most ** rng.uniform(1.0, 3.0, shape)
+        problem.risk = np.where(rng.random(shape) < 0.3, rng.random(shape), small)
+        problem.options.update(alpha=1.0, epsilon=0.0, adjacency=adjacency, cut=None, barred=None)
+        result = find_path(problem.risk, problem.start, problem.goal, "g3", **problem.options)
+        assert result.g3 == problem.least_maximum(), f"map {seed}"
+        away = np.abs(np.subtract(problem.start, problem.goal))
+        detours += len(result.path) - 1 > (away.sum() if adjacency == 4 else away.max())
+    assert detours > 100
+
+
+@pytest.mark.parametrize("cost", ["g1", "g2", "g3"])
+def test_a_constant_that_outweighs_all_risks_takes_no_more_memory(cost):
+    problem = random_problem(3)
+    problem.options.update(alpha=0.6, epsilon=1000.0, diagonal="unit", cut=None, barred=None)
+    workspace = Workspace()
+    result = find_path(
+        problem.risk, problem.start, problem.goal, cost, **problem.options, workspace=workspace
+    )
+    assert result.found
+    if cost == "g3":
+        assert result.g3 == problem.least_maximum()
+    else:
+        steps = problem.distances(np.ones_like(problem.risk), 1.0)[problem.flat(problem.goal)]
+        assert len(result.path) == steps + 1
+    assert workspace.nbytes < 2**20
 
 
 def test_ties_go_to_the_shortest_path():

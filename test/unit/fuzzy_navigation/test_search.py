@@ -229,6 +229,7 @@ GRID = np.zeros((3, 4))
         ((GRID, (0, 0), (1, 1)), {"alpha": -0.1}, "alpha.*-0.1"),
         ((GRID, (0, 0), (1, 1)), {"epsilon": -0.1}, "epsilon.*-0.1"),
         ((GRID, (0, 0), (1, 1)), {"epsilon": math.inf}, "epsilon.*inf"),
+        ((GRID, (0, 0), (1, 1)), {"epsilon": 1e5}, "epsilon.*1000.*100000"),
         ((GRID, (0, 0), (1, 1)), {"diagonal": "long"}, "diagonal.*'long'"),
         ((GRID, (0, 0), (1, 1)), {"cut": np.zeros((4, 3))}, r"cut.*\(3, 4\).*\(4, 3\)"),
         ((GRID, (0, 0), (1, 1)), {"cut": np.full((3, 4), math.nan)}, "cut.*NaN"),
