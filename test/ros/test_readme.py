@@ -15,8 +15,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import threading
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -26,15 +24,12 @@ import yaml
 from diagnostic_msgs.msg import DiagnosticArray
 from fuzzy_msgs.action import BuildMap, Navigate
 from fuzzy_msgs.srv import MapFile, PlanPath
-from geometry_msgs.msg import PoseStamped
 from rcl_interfaces.srv import GetParameters
 from rclpy.parameter import parameter_value_to_python
-from rclpy.publisher import Publisher
 
 from fuzzy_map_building.parameter_schema import markdown_table
 from fuzzy_map_building.params import PRESETS, MapperParameters, mapper_parameters
 from fuzzy_map_building.ros import names, qos
-from fuzzy_map_building.ros.clock import stamp_from_seconds
 from fuzzy_navigation.params import MotionParameters, PlannerParameters
 from nomad_sim.headless import run_mission
 from nomad_sim.ros.demo_options import parse_options
@@ -61,6 +56,7 @@ def blocks(language: str) -> list[str]:
 LINES = [line for text in blocks("sh") for line in text.splitlines()]
 CAMPAIGNS = [line for line in LINES if "/campaign " in line]
 STUDIES = [line for line in LINES if line.startswith("python3 ")]
+SIMULATORS = [line for line in LINES if line.endswith("/sim")]
 BRINGUPS = [line for line in LINES if "/bringup " in line]
 DEMOS = [line for line in LINES if line.startswith("make demo")]
 PACKAGES = [line for line in LINES if "apt-get install" in line]
@@ -106,7 +102,7 @@ def made(line: str) -> list[str]:
 
 
 def test_no_block_goes_untested() -> None:
-    known = [*CAMPAIGNS, *STUDIES, *BRINGUPS, *DEMOS, *PACKAGES, *TESTS]
+    known = [*CAMPAIGNS, *STUDIES, *SIMULATORS, *BRINGUPS, *DEMOS, *PACKAGES, *TESTS]
     assert sorted(known) == sorted(LINES)
     assert {kind for kind, _ in BLOCKS} == {"sh", "python", "yaml"}
     assert README.count("```") == 2 * len(BLOCKS)
@@ -245,8 +241,30 @@ def test_the_mappers_area_is_that_of_the_other_world() -> None:
     assert mapper.area.geometry().bounds == load_world("office").geometry(0.1).bounds
 
 
+@pytest.mark.timeout(LONG + 60.0)
+def test_a_goal_of_ones_own(clone: Path, start_node: Start) -> None:
+    (simulator,) = SIMULATORS
+    started, _ = BRINGUPS
+    (client,) = (text for text in blocks("python") if "rclpy" in text)
+    # Not in real time, but the way that the text tells of.
+    (fast,) = re.findall(r"`sim (--ros-args -p rate:=[^`]*)`", README)
+    start_node(Path(simulator).name, arguments=shlex.split(fast))
+    executable, *arguments = shlex.split(started)
+    nodes = start_node(Path(executable).name, arguments=arguments)
+    told = run(shlex.join([sys.executable, "-c", client])).splitlines()
+    safe = [int(row.split()[2]) for row in told if row.startswith("motion map: ")]
+    path, verdict, saved = (row for row in told if not row.startswith("motion map: "))
+    assert path.startswith("path found: True ")
+    assert verdict.startswith("reached: True the robot stands ")
+    assert (clone / "lab.map").is_file()
+    assert "lab.map" in saved
+    assert safe[0] == 0
+    assert safe[-1] > 1000
+    nodes.assert_clean_stop(signal.SIGINT)
+
+
 def test_bringup_takes_the_robots_parameters(clone: Path, probe: Probe, start_node: Start) -> None:
-    (line,) = BRINGUPS
+    _, line = BRINGUPS
     executable, *arguments = shlex.split(line)
     file = clone / arguments[arguments.index("--params-file") + 1]
     file.write_text(robot_file())
@@ -265,31 +283,7 @@ def test_bringup_takes_the_robots_parameters(clone: Path, probe: Probe, start_no
         response = probe.call(GetParameters, f"{node}/get_parameters", request)
         values = [parameter_value_to_python(value) for value in response.values]
         assert dict(zip(given, [_plain(v) for v in values], strict=True)) == given
-    # The client asks these nodes, with a robot that stands where it wants it to be.
-    standing = probe.node.create_publisher(PoseStamped, names.POSE, qos.RELIABLE)
-    stop = threading.Event()
-    robot = threading.Thread(target=stand, args=(standing, stop))
-    robot.start()
-    try:
-        (client,) = (text for text in blocks("python") if "rclpy" in text)
-        told = run(shlex.join([sys.executable, "-c", client])).splitlines()
-    finally:
-        stop.set()
-        robot.join()
-    found, *_, g2 = told[0].split()
-    assert (found, float(g2) > 0.0) == ("True", True)
-    assert told[1].startswith("True the robot stands ")
     process.assert_clean_stop(signal.SIGINT)
-
-
-def stand(poses: Publisher, stop: threading.Event) -> None:
-    """Tell the pose of a robot at the client's goal until it is over."""
-    message = PoseStamped()
-    message.header.frame_id = names.MAP_FRAME
-    message.pose.position.x, message.pose.position.y = 5.35, 5.45
-    while not stop.wait(0.05):
-        message.header.stamp = stamp_from_seconds(time.time())
-        poses.publish(message)
 
 
 def test_every_field_of_our_types_is_told() -> None:
