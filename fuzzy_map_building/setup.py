@@ -10,6 +10,7 @@ setup(
     name="fuzzy_map_building",
     version="0.1.0",
     packages=find_packages(include=["fuzzy_map_building", "fuzzy_map_building.*"]),
+    package_data={"fuzzy_map_building.ros": ["discovery.xml"]},
     data_files=[
         ("share/ament_index/resource_index/packages", ["resource/fuzzy_map_building"]),
         ("share/fuzzy_map_building", ["package.xml"]),

@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """How long the planner's process takes from its start to the answer of the first plan.
 
-``.ci/in_environment python3 test/benchmarks/cold_start.py [--runs N]`` keeps a map waiting, starts
-the process, asks until a path comes, and prints the time and the processor time that the process
-had taken by then. The first run, which may have to compile, does not count.
+``.ci/in_environment python3 test/benchmarks/cold_start.py [--runs N] [--stranger]`` keeps a map
+waiting, starts the process, asks until a path comes, and prints the time and the processor time that
+the process had taken by then. Who asks announces itself as the nodes of these packages do, or as
+any other does. The first run, which may have to compile, does not count.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from fuzzy_msgs.srv import PlanPath
 from nav_msgs.msg import OccupancyGrid
 
 from fuzzy_map_building.ros import names, qos
+from fuzzy_map_building.ros.discovery import set_discovery
 from nomad_sim.ros.domain import reserved_domain
 from ros.harness import START_DEADLINE, NodeProcess, Probe
 from ros.planner_driver import map_message, request, world
@@ -54,14 +56,18 @@ def main(argv: Sequence[str] | None = None) -> None:
         description="Time from the planner's start to its first path."
     )
     parser.add_argument("--runs", type=int, default=5, help="starts that count")
-    runs = parser.parse_args(argv).runs
+    parser.add_argument("--stranger", action="store_true", help="asked by a node of other packages")
+    options = parser.parse_args(argv)
+    if not options.stranger:
+        set_discovery()
     with tempfile.TemporaryDirectory() as folder, reserved_domain() as domain:
         os.environ["ROS_DOMAIN_ID"] = str(domain)
         probe = Probe()
         maps = probe.publisher(OccupancyGrid, names.PLANNING_MAP, qos.LATCHED, subscribers=0)
         maps.publish(map_message(world()))
-        times = [first_answer(probe, Path(folder, str(k))) for k in range(runs + 1)][1:]
+        times = [first_answer(probe, Path(folder, str(k))) for k in range(options.runs + 1)][1:]
         probe.close()
+    print("each:", " ".join(f"{wall:.2f}" for wall, _ in times))
     wall, own = (statistics.median(part) for part in zip(*times, strict=True))
     print(
         f"planner to its first path: median {wall:.2f} s, least {min(times)[0]:.2f} s; "

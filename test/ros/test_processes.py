@@ -15,8 +15,8 @@ from pathlib import Path
 
 import pytest
 
+from fuzzy_map_building.ros.discovery import DISCOVERY_RANGE, PROFILES
 from fuzzy_navigation.ros.processes import (
-    DISCOVERY_RANGE,
     Ended,
     ProcessGroup,
     child_environment,
@@ -210,6 +210,15 @@ def test_children_stay_on_this_machine_unless_the_user_says_otherwise(
     assert child_environment(ROS_DOMAIN_ID="7")["ROS_DOMAIN_ID"] == "7"
     monkeypatch.setenv(DISCOVERY_RANGE, "SUBNET")
     assert child_environment()[DISCOVERY_RANGE] == "SUBNET"
+
+
+def test_children_announce_themselves_as_told_unless_the_user_has_profiles(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.delenv(PROFILES, raising=False)
+    assert Path(child_environment()[PROFILES]).is_file()
+    monkeypatch.setenv(PROFILES, "/of/the/user.xml")
+    assert child_environment()[PROFILES] == "/of/the/user.xml"
 
 
 def test_a_module_runs_with_this_interpreter() -> None:

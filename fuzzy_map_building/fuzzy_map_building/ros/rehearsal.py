@@ -8,7 +8,6 @@ wait for the others, which are still loading, to end as well.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -17,7 +16,7 @@ from rclpy.node import Node
 
 from fuzzy_map_building.parameter_schema import ParameterError
 from fuzzy_map_building.ros.addressed import Addressed
-from fuzzy_map_building.ros.run import DISCOVERY_RANGE
+from fuzzy_map_building.ros.discovery import set_discovery
 
 __all__ = ["check_parameters"]
 
@@ -48,8 +47,7 @@ def check_parameters(
     """
     argv = [name, "--ros-args", *arguments]
     addressed = Addressed(argv)
-    # As a node does: nothing leaves this machine unless told otherwise.
-    os.environ.setdefault(DISCOVERY_RANGE, "LOCALHOST")
+    set_discovery()  # as a node does
     context = Context()
     context.init(args=argv, domain_id=domain)
     try:

@@ -17,7 +17,6 @@ from __future__ import annotations
 import contextlib
 import gc
 import itertools
-import os
 import re
 import signal
 import sys
@@ -36,11 +35,11 @@ from rclpy.utilities import remove_ros_args
 from fuzzy_map_building import jit
 from fuzzy_map_building.parameter_schema import ParameterError
 from fuzzy_map_building.ros.addressed import Addressed
+from fuzzy_map_building.ros.discovery import set_discovery
 from fuzzy_map_building.ros.readiness import tell_ready
 from fuzzy_map_building.ros.usage import USAGES
 
 __all__ = [
-    "DISCOVERY_RANGE",
     "EXIT_FAULT",
     "EXIT_REFUSED",
     "StopRequest",
@@ -48,9 +47,6 @@ __all__ = [
     "spin_node",
     "stop_on_signals",
 ]
-
-#: Variable that says how far nodes look for each other.
-DISCOVERY_RANGE: Final = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 
 #: Exit code of a process that a fault in the program has ended.
 EXIT_FAULT: Final = 1
@@ -178,8 +174,7 @@ def _start(factory: Callable[[], Node], argv: list[str], called: str) -> Node:
             f"unknown argument '{unknown[0]}'; parameters are given as "
             "--ros-args -p <name>:=<value> or --params-file <file>"
         )
-    # Whoever reaches a node can drive the robot: only this machine, unless told otherwise.
-    os.environ.setdefault(DISCOVERY_RANGE, "LOCALHOST")
+    set_discovery()
     try:
         rclpy.init(args=argv, signal_handler_options=SignalHandlerOptions.NO)
     except Exception as error:  # as above

@@ -29,11 +29,10 @@ from dataclasses import dataclass
 from types import TracebackType
 from typing import IO, Final
 
-from fuzzy_map_building.ros.run import DISCOVERY_RANGE
+from fuzzy_map_building.ros.discovery import set_discovery
 
 __all__ = [
     "CLEAN_ENDS",
-    "DISCOVERY_RANGE",
     "Ended",
     "ProcessGroup",
     "child_environment",
@@ -112,7 +111,7 @@ def child_environment(**changes: str) -> dict[str, str]:
         Variables to set, e.g. ``ROS_DOMAIN_ID="7"``.
     """
     environment = dict(os.environ)
-    environment.setdefault(DISCOVERY_RANGE, "LOCALHOST")
+    set_discovery(environment)
     # No module of the working directory may take the place of an installed one.
     environment["PYTHONSAFEPATH"] = "1"
     environment.update(changes)

@@ -8,7 +8,6 @@ however the demonstration ends. What they write goes to ``logs/`` in the output 
 
 from __future__ import annotations
 
-import os
 import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -18,6 +17,7 @@ from typing import Final
 
 from fuzzy_map_building.parameter_schema import describe
 from fuzzy_map_building.params import MapperParameters
+from fuzzy_map_building.ros.discovery import DISCOVERY_RANGE, set_discovery
 from fuzzy_map_building.ros.parameters import PRESET
 from fuzzy_map_building.ros.run import EXIT_REFUSED, StopRequest, stop_on_signals
 from fuzzy_navigation.concurrent_mission import SETTINGS
@@ -25,7 +25,6 @@ from fuzzy_navigation.mission_types import LogEntry, Phase
 from fuzzy_navigation.params import MotionParameters, PlannerParameters
 from fuzzy_navigation.ros.declarations import DECLARATIONS, Declaration, refusals
 from fuzzy_navigation.ros.processes import (
-    DISCOVERY_RANGE,
     ProcessGroup,
     child_environment,
     python_module,
@@ -136,8 +135,8 @@ def _run(options: DemoOptions, stop: StopRequest) -> tuple[MissionRecord, str, d
         wanted[NODES[name]].append(PRESET)
     with ExitStack() as stack:
         domain = stack.enter_context(reserved_domain(options.domain))
+        set_discovery()
         environment = child_environment(ROS_DOMAIN_ID=str(domain), ROS_LOG_DIR=str(logs.resolve()))
-        os.environ[DISCOVERY_RANGE] = environment[DISCOVERY_RANGE]
         refused = refusals(_arguments(options), _DECLARATIONS, domain)
         if refused:
             raise RefusedError("\n".join(refused))

@@ -6,9 +6,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from fuzzy_map_building.ros.discovery import DISCOVERY_RANGE
 from fuzzy_map_building.wording import counted
 from fuzzy_navigation.mission_types import LogEntry, Phase
-from fuzzy_navigation.ros.processes import DISCOVERY_RANGE
 from nomad_sim.mission_report import entry_line
 from nomad_sim.ros.demo_options import DemoOptions
 from nomad_sim.ros.mission_record import MissionRecord
