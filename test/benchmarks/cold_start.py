@@ -3,9 +3,9 @@
 """How long the planner's process takes from its start to the answer of the first plan.
 
 ``.ci/in_environment python3 test/benchmarks/cold_start.py [--runs N] [--stranger]`` keeps a map
-waiting, starts the process, asks until a path comes, and prints the time and the processor time that
-the process had taken by then. Who asks announces itself as the nodes of these packages do, or as
-any other does. The first run, which may have to compile, does not count.
+waiting, starts the process, asks until a path comes, and prints the time and the processor time
+that the process had taken by then. Who asks announces itself as the nodes of these packages do, or
+as any other does. The first run, which may have to compile, does not count.
 """
 
 from __future__ import annotations
@@ -56,7 +56,9 @@ def main(argv: Sequence[str] | None = None) -> None:
         description="Time from the planner's start to its first path."
     )
     parser.add_argument("--runs", type=int, default=5, help="starts that count")
-    parser.add_argument("--stranger", action="store_true", help="asked by a node of other packages")
+    parser.add_argument(
+        "--stranger", action="store_true", help="asked by a node of other packages"
+    )
     options = parser.parse_args(argv)
     if not options.stranger:
         set_discovery()
