@@ -127,7 +127,7 @@ class ConcurrentMission(Mission):
     def advice(self) -> str:
         """See `Mission.advice`: without maps on the way the robot stands for each."""
         if not self._unmapped:
-            return ""
+            return super().advice
         return (
             "no map comes on the way, so that the robot stands for each: 'concurrent' is for a "
             "mapper in its mode 'continuous'"

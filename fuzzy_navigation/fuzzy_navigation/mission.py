@@ -355,7 +355,7 @@ class Mission(MissionState):
             return self._interrupted("the sonars cannot be trusted", deaf)
         self._hold.end()
         hits, suspected = around.known(now), around.suspected(now)
-        v, omega = self._motion.step(pose, hits, dt, suspected, delay)
+        v, omega = self._motion.step(pose, hits, dt, suspected, delay, around.max_speed)
         if self._motion.stopped is not None:
             return self._stopped()
         if self._motion.stuck:

@@ -152,8 +152,8 @@ class MissionState:
 
     @property
     def advice(self) -> str:
-        """What is set up so that the mission cannot be done as it is meant; empty if nothing."""
-        return ""
+        """Why the mission cannot be done as it is meant, though it goes on; empty if it can."""
+        return self._around.advice
 
     def _forget(self) -> None:
         """Forget what belongs to the mission before."""

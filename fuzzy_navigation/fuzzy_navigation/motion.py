@@ -253,6 +253,7 @@ class Motion:
         dt: float,
         suspected: NDArray[np.float64] = NOTHING,
         delay: float = 0.0,
+        limit: float = math.inf,
     ) -> tuple[float, float]:
         """Return the command of one tick, speed [m/s] and turning rate [rad/s].
 
@@ -268,6 +269,8 @@ class Motion:
             Points [m] that the robot must be able to stop short of, should they prove true.
         delay : float
             How long ago the robot was there [s].
+        limit : float
+            Speed not to exceed [m/s].
         """
         follower = self._follower
         self._stalled += dt
@@ -278,7 +281,8 @@ class Motion:
         lag = 2.0 * dt + delay
         stop_at, max_speed = self._limits(pose, hits, lag)
         if len(suspected) > 0:
-            max_speed = min(max_speed, self._wary_speed(pose, suspected, lag))
+            limit = min(limit, self._wary_speed(pose, suspected, lag))
+        max_speed = min(max_speed, limit)
         if delay * max_speed > STALE_WAY:
             max_speed = max(STALE_WAY / delay, CRAWL)
         self._stop_at = stop_at

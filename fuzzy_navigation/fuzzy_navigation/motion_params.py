@@ -154,6 +154,14 @@ class WatchParameters:
         minimum=0.03,
         maximum=1000.0,
     )
+    lossy_speed: float = parameter(
+        0.3,
+        doc="largest speed while a quarter of what sonars that guard the robot hear from close by "
+        "is missing from their next reading",
+        unit="m/s",
+        minimum=0.01,
+        maximum=5.0,
+    )
     open_space: bool = parameter(
         False,
         doc="whether sonars that hear hardly anything may be in open space wider than their "

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from fuzzy_map_building.sonar_guard import guard_points, rim_points
 from fuzzy_map_building.types import InfraredReading, Pose2, SonarReading
 from fuzzy_navigation.clearance import InfraredRing, clearance_at, hit_points
+from fuzzy_navigation.echo_loss import WINDOW, EchoLoss
 from fuzzy_navigation.heard_echoes import HeardEchoes
 from fuzzy_navigation.hearing_watch import HearingWatch
 from fuzzy_navigation.hit_memory import HitMemory
@@ -55,6 +56,7 @@ class Surroundings:
         self._phase = _Phase.IDLE
         near, far = parameters.infrared, parameters.sonar
         self._hearing = HearingWatch(far)
+        self._loss = EchoLoss(far)
         self._both = tuple(RingWatch(r.frame_ids, r.min_range, r.max_range) for r in (near, far))
 
     def adopt(self, parameters: MotionParameters) -> None:
@@ -65,6 +67,11 @@ class Surroundings:
         self._heard.adopt(parameters.sonar.mount_radius)
         near, far = parameters.infrared, parameters.sonar
         self._hearing.adopt(far)
+        self._loss.adopt(far)
+        if not parameters.sonar_guard.enabled:
+            # What they did when they were last heard must not hold for ever.
+            self._hearing.clear()
+            self._loss.clear()
         self._both[0].adopt(near.min_range, near.max_range)
         self._both[1].adopt(far.min_range, far.max_range)
 
@@ -80,6 +87,7 @@ class Surroundings:
         self._echoes.clear()
         self._heard.forget()
         self._hearing.clear()
+        self._loss.clear()
         for watch in self._both:
             watch.clear()
 
@@ -114,6 +122,7 @@ class Surroundings:
         layer, guard = self._p.layer, self._p.sonar_guard
         if guard.enabled:
             self._hearing.update(sonar)
+            self._loss.update(sonar)
         if self._phase is _Phase.STANDING and (layer.enabled or guard.enabled):
             self._memory.stand(infrared, sonar)
         elif self._phase is _Phase.MOVING:
@@ -194,6 +203,20 @@ class Surroundings:
     def deaf(self, now: float) -> str:
         """Return why the sonars that guard the robot must be deaf; empty if they need not be."""
         return self._hearing.deaf(self.seen(now), self._p.watch.open_space)
+
+    @property
+    def max_speed(self) -> float:
+        """The largest speed [m/s] at which the sonars hear in time what they are to guard from."""
+        return self._p.watch.lossy_speed if self._loss.lost else math.inf
+
+    @property
+    def advice(self) -> str:
+        """What is wrong with the sonars, and what the robot does about it; empty if nothing is."""
+        if not self._loss.lost:
+            return ""
+        speed = min(self.max_speed, self._p.follower.max_linear)
+        share = f"{self._loss.lost} of {WINDOW}"
+        return f"sonars lose echoes ({share}): driving at no more than {speed:g} m/s"
 
     def nearest(self, now: float, pose: Pose2) -> str:
         """Return which sensor sees what is nearest to the body, and where; empty if none does."""
