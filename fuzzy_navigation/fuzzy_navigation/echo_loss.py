@@ -21,8 +21,8 @@ __all__ = ["EchoLoss"]
 #: Echoes from close by that are remembered: whether the next reading had them, too.
 WINDOW = 64
 #: From so many of them missing on a ring loses echoes, until fewer than `SOUND` are. Of a healthy
-#: one at most 8 were missing, in 194 missions of all kinds and 40 halls; of one that is deaf half
-#: the time never fewer than 17.
+#: one at most 9 were missing, in 194 missions of all kinds and 40 halls; of one that is deaf half
+#: the time 18 or more in each of 120 halls.
 LOSSY, SOUND = 16, 8
 #: Part of the sonars' greatest range within which an echo is to be heard again.
 CLOSE = 0.65

@@ -38,9 +38,11 @@ class Echoes:
     def __init__(self, scene: Scene) -> None:
         #: Where the glass stands; +inf: nowhere.
         self.glass = GLASS
-        #: What the sonar does once the robot is under way: works, silent or faulty. It fails by
+        #: What the sonar does once the robot is under way: works, silent, faulty or, wherever it
+        #: is, lossy: it misses every fourth echo of a wall. It fails by
         #: where the robot is, which moves on while a starved test sleeps.
         self.fault = "works"
+        self.rounds = 0
         self.field_of_view = math.radians(25.0)
         #: How long before the pose that it comes with a range was measured [s].
         self.before = 0.0
@@ -63,6 +65,9 @@ class Echoes:
             distance = min(distance, 6.0 - 0.01 * (turned.z % 0.1))
             # What is too close it tells as it is, though REP 117 has -inf for it.
             distance = math.nan if fault == "faulty" else max(distance, 0.0)
+            if self.fault == "lossy":
+                self.rounds += 1
+                distance = math.inf if self.rounds % 4 == 0 else 3.0
             echo = Range(field_of_view=self.field_of_view, max_range=6.5, range=distance)
             measured = seconds_from_stamp(message.header.stamp) - self.before
             echo.header.frame_id, echo.header.stamp = "sonar_0", stamp_from_seconds(measured)
@@ -113,6 +118,20 @@ def test_sonars_guard_the_robot_once_the_guard_is_on(scene: Scene) -> None:
         scene.values()
     assert scene.values().get(early, "0") == before
     echoes.before = 0.0
+
+    # One that loses echoes guards a robot that drives slowly.
+    scene.reset()
+    echoes.fault = "lossy"
+    # Of four rounds three tell of an echo, of 64 in all.
+    wait_until(lambda: echoes.rounds > 120, "the sonar to lose enough echoes")
+    change(scene, "watch.lossy_speed", 0.1)
+    told = "driving at no more than 0.1 m/s"
+    handle = scene.send(goal_at(3.5, 1.05))
+    scene.problem(told)
+    assert scene.result(handle).result.outcome == RESULT.REACHED
+    assert max(speed for _, speed, _ in scene.robot.commands) == pytest.approx(0.1)
+    assert scene.motion.output().count(told) == 1
+    echoes.fault = "works"
 
     # Who guards the robot must not fall silent, nor report nothing but faults.
     for fault in ("silent", "faulty"):
