@@ -49,7 +49,7 @@ class EchoLoss:
 
     @property
     def lost(self) -> int:
-        """Of `WINDOW` echoes those missing when the ring began to lose them; 0 while it does not."""
+        """Of `WINDOW` echoes those missing when the ring began to lose them; 0 if it does not."""
         return self._lost
 
     def adopt(self, sonar: SonarParameters) -> None:

@@ -102,6 +102,10 @@ class FakeRobot:
         )
         self._timer = self._node.create_timer(0.02, self._tick)
 
+    def obeys(self) -> bool:
+        """Return whether somebody turns the turret."""
+        return self._subscription.get_publisher_count() > 0
+
     def close(self) -> None:
         """Fall silent."""
         self._probe.run(lambda: self._node.destroy_timer(self._timer))

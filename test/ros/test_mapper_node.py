@@ -31,7 +31,7 @@ from fuzzy_map_building.ros import names, qos
 from fuzzy_map_building.ros.map_conversions import grid_from_msg
 from fuzzy_map_building.types import Pose2, SonarReading
 from ros.fake_robot import FakeRobot
-from ros.harness import NodeProcess, Probe
+from ros.harness import NodeProcess, Probe, wait_until
 
 POSE = Pose2(1.25, 5.25, 0.0)
 #: Limits of waiting [s]: never met by what comes, however slow the machine; soon met in vain.
@@ -89,6 +89,8 @@ def mapper(tmp_path_factory: pytest.TempPathFactory, map_folder: Path) -> Iterat
 def robot(module_probe: Probe, mapper: NodeProcess) -> Iterator[FakeRobot]:
     module_probe.call(Trigger, names.RESET_MAP, Trigger.Request())
     robot = FakeRobot(module_probe, POSE, measure)
+    # Else the first command may come before the middleware has joined the two.
+    wait_until(robot.obeys, "the mapper to find the turret")
     yield robot
     robot.close()
 

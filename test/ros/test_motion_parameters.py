@@ -117,10 +117,14 @@ def test_a_goal_that_is_reached_at_once_ends_a_mission_with_parameters_of_before
 
 def test_a_goal_that_takes_the_place_of_another_goes_by_what_waited(scene: Scene) -> None:
     first = scene.go(3.5, 2.5)
-    change(scene, Parameter("slim_radius", value=0.07))
+    # So slowly that it is on its way for as long as this may take.
+    change(
+        scene, Parameter("slim_radius", value=0.07), Parameter("follower.max_linear", value=0.02)
+    )
     # One that cannot be ends nothing.
     refused = scene.result(scene.send(goal_at(1.5, 2.0), tolerance=-1.0)).result
     assert (refused.outcome, scene.values()["phase"]) == (RESULT.FAILED, "moving")
+    change(scene, Parameter("follower.max_linear", value=0.6))
     second = scene.send(goal_at(1.5, 2.0))
     replaced = scene.result(first).result
     assert (replaced.outcome, replaced.message) == (
