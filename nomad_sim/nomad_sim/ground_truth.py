@@ -129,6 +129,11 @@ class Reachability(Enum):
     MARGINAL = "marginal"
     UNREACHABLE = "unreachable"
 
+    @property
+    def expected(self) -> str:
+        """The true outcome of a mission there, as `World.expected` has it."""
+        return "unreachable" if self is Reachability.UNREACHABLE else "reached"
+
 
 @dataclass(frozen=True)
 class WayClearance:

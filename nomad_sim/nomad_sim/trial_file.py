@@ -16,6 +16,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
+from nomad_sim.json_fields import parse_json
 from nomad_sim.trials import TrialResult
 
 __all__ = ["TrialFile"]
@@ -91,10 +92,10 @@ class TrialFile:
         if not whole and not start.startswith(content):
             raise ValueError(f"{self.path} holds no trials; use another --output")
         try:
-            found = json.loads(first) if whole else header
+            found = parse_json(first) if whole else header
         except (ValueError, RecursionError) as error:
             raise ValueError(f"{self.path} holds no trials; use another --output") from error
-        if found != header:
+        if not _same(found, header):
             raise ValueError(
                 f"{self.path} holds trials of another configuration"
                 f"{_difference(found, header)}; use another --output"
@@ -113,7 +114,7 @@ class TrialFile:
         damaged: dict[int, Exception] = {}
         for number, line in enumerate(lines, start=2):
             try:
-                result = TrialResult.from_json(json.loads(line))
+                result = TrialResult.from_json(parse_json(line))
                 mission = result.kind, result.mission.seed
                 if mission in results:
                     raise ValueError(
@@ -166,11 +167,16 @@ class TrialFile:
         self._file.close()
 
 
+def _same(found: Any, wanted: Any) -> bool:
+    """Whether two JSON values are the same: `True` is not 1."""
+    return json.dumps(found, sort_keys=True) == json.dumps(wanted, sort_keys=True)
+
+
 def _difference(found: Any, wanted: Any, where: str = "") -> str:
     """Return the first place where two JSON values differ, in words."""
     if isinstance(found, dict) and isinstance(wanted, dict):
         for key in sorted({*found, *wanted}):
-            if found.get(key) != wanted.get(key):
+            if not _same(found.get(key), wanted.get(key)):
                 place = f"{where}.{key}" if where else str(key)
                 return _difference(found.get(key), wanted.get(key), place)
     there, here = (json.dumps(value)[:200] for value in (found, wanted))

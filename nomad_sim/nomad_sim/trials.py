@@ -252,12 +252,30 @@ class TrialResult:
         Raises
         ------
         ValueError
-            If there is more or less in the mapping, or a value that no trial has.
+            If there is more or less in the mapping, a value that no trial has, or values that
+            contradict each other.
         """
         values = checked_fields(cls, values)
         mission = MissionResult(**checked_fields(MissionResult, values["mission"]))
         _check_possible({**values, **asdict(mission)})
-        return cls(**{**values, "mission": mission})
+        result = cls(**{**values, "mission": mission})
+        _check_consistent(result)
+        return result
+
+
+def _check_consistent(result: TrialResult) -> None:
+    """Raise ValueError for values that contradict each other."""
+    truth, mission = Reachability(result.truth), result.mission
+    true = Outcome[mission.outcome] is Outcome[truth.expected.upper()]
+    if mission.truthful is not true:
+        raise ValueError(
+            f"truthful must be {str(true).lower()} where truth is {truth.value} and outcome "
+            f"{mission.outcome}"
+        )
+    # Of marginal goals neither is certain.
+    wayless = {Reachability.REACHABLE: False, Reachability.UNREACHABLE: True}
+    if wayless.get(truth, result.shortest is None) is not (result.shortest is None):
+        raise ValueError(f"shortest cannot be {result.shortest} where truth is {truth.value}")
 
 
 def run_trial(trial: Trial) -> TrialResult:

@@ -73,7 +73,7 @@ def with_truth(world: World) -> World:
     truth = clearance.reachability
     return replace(
         world,
-        expected="unreachable" if truth is Reachability.UNREACHABLE else "reached",
+        expected=truth.expected,
         properties={
             **world.properties,
             "truth": truth.value,

@@ -321,6 +321,78 @@ def test_a_value_that_no_trial_has_is_refused(
         TrialResult.from_json(json.loads(json.dumps(values)))
 
 
+@pytest.mark.parametrize(
+    ("truth", "shortest", "outcome", "truthful", "words"),
+    [
+        ("unreachable", None, "REACHED", True, "truthful must be false where .* unreachable"),
+        ("unreachable", None, "UNREACHABLE", False, "truthful must be true where"),
+        ("reachable", 3.0, "LIVELOCK", True, "truthful must be false .* outcome LIVELOCK"),
+        ("reachable", 3.0, "REACHED", False, "truthful must be true where"),
+        ("marginal", 3.0, "UNREACHABLE", True, "truthful must be false where"),
+        ("reachable", None, "REACHED", True, "shortest cannot be None where"),
+        ("unreachable", 3.0, "UNREACHABLE", True, "shortest cannot be 3.0 where"),
+        ("unreachable", None, "UNREACHABLE", True, ""),
+        ("reachable", 3.0, "REACHED", True, ""),
+        ("marginal", None, "FAILED", False, ""),
+        ("marginal", 3.0, "REACHED", True, ""),
+    ],
+)
+def test_values_that_contradict_each_other_are_refused(
+    truth: str,
+    shortest: float | None,
+    outcome: str,
+    truthful: bool,
+    words: str,
+    result: TrialResult,
+) -> None:
+    mission = replace(result.mission, outcome=outcome, truthful=truthful)
+    values = asdict(replace(result, truth=truth, shortest=shortest, mission=mission))
+    if words:
+        with pytest.raises(ValueError, match=words):
+            TrialResult.from_json(values)
+    else:
+        assert asdict(TrialResult.from_json(values)) == values
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "words"),
+    [
+        (b'"contacts": 0', b'"contacts": ' + b"9" * 5000, "a whole number of 5000 digits"),
+        (b'"contacts": 0', b'"contacts": 0, "contacts": 1', "'contacts' is there twice"),
+        (b'"message": "', rb'"message": "\ud800', "message must be a printable text"),
+        (b'"message": "', rb'"message": "\u001b[2J', "message must be a printable text"),
+        (b'"kind"', b'"\xff"', "'utf-8' codec can't decode"),
+    ],
+)
+def test_a_line_that_means_no_one_thing_is_refused(
+    before: bytes, after: bytes, words: str, tmp_path: Path, result: TrialResult
+) -> None:
+    path = tmp_path / "t"
+    with TrialFile(path, {}) as file:
+        file.add(result)
+    good = path.read_bytes()
+    assert before in good
+    path.write_bytes(good.replace(before, after))
+    with pytest.raises(ValueError, match=rf"t: line 2 cannot be taken: .*{words}.*; remove it"):
+        TrialFile(path, {})
+
+
+@pytest.mark.parametrize(
+    ("first", "words"),
+    [
+        ('{"format": true}', "format: true there, 1 here"),
+        ('{"format": 1.0}', r"format: 1\.0 there, 1 here"),
+        ('\ufeff{"format": 1}', "holds no trials"),
+    ],
+)
+def test_a_first_line_that_only_counts_as_the_same_is_refused(
+    first: str, words: str, tmp_path: Path
+) -> None:
+    (tmp_path / "t").write_text(first + "\n", encoding="utf-8")
+    with pytest.raises(ValueError, match=words):
+        TrialFile(tmp_path / "t", {})
+
+
 def test_a_file_of_something_else_is_left_as_it_is(tmp_path: Path) -> None:
     file = tmp_path / "t"
     file.write_text("a note without end")
