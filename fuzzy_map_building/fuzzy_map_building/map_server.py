@@ -147,7 +147,9 @@ def _checked(entries: Any) -> dict[str, Any]:
         raise MapFileError(f"image must be a file name, got {shown(out['image'])}")
     for key in ("resolution", "occupied_thresh", "free_thresh"):
         out[key] = _number(key, entries[key])
-    out["negate"] = _number("negate", entries["negate"]) != 0.0
+    if entries["negate"] not in (0, 1):
+        raise MapFileError(f"negate must be 0 or 1, got {shown(entries['negate'])}")
+    out["negate"] = bool(entries["negate"])
     origin = entries["origin"]
     if not isinstance(origin, list) or len(origin) != 3:
         raise MapFileError(f"origin must be [x, y, yaw], got {shown(origin)}")

@@ -91,6 +91,7 @@ class MissionState:
         self._area, self._pose, self._pose_time = before._area, before._pose, before._pose_time
         self._time, self._record, self._request = before._time, before._record, before._request
         self._p, self.maps_on_the_way = before._p, before.maps_on_the_way
+        self._pose_refusal = before._pose_refusal
 
     def resume(self, now: float) -> None:
         """Go on after a time in which nobody looked, or that was none: it counts for no wait.

@@ -155,7 +155,7 @@ class WatchParameters:
         maximum=1000.0,
     )
     lossy_speed: float = parameter(
-        0.3,
+        0.15,
         doc="largest speed while a quarter of what sonars that guard the robot hear from close by "
         "is missing from their next reading",
         unit="m/s",

@@ -153,7 +153,8 @@ def refuse_other_kind(folder: Path, drawn: bool) -> None:
     there = (folder / TRIALS_FILE).exists()
     if drawn and not there and (folder / "campaign.json").exists():
         raise ValueError(
-            f"--output {folder} holds results of --world or --reference; use another --output"
+            f"--output {folder} holds a campaign.json without {TRIALS_FILE}, as of --world or "
+            "--reference, or of trials that were removed; use another --output"
         )
     if there and not drawn:
         raise ValueError(

@@ -91,6 +91,7 @@ def test_heading_of_a_tilted_quaternion_is_that_of_its_rotation_matrix() -> None
         ("wrong_frame", lambda m: setattr(m.header, "frame_id", "x" * 9999)),
         ("no_stamp", lambda m: setattr(m.header, "stamp", Time())),
         ("negative_stamp", lambda m: setattr(m.header, "stamp", Time(sec=-1))),
+        ("malformed_stamp", lambda m: setattr(m.header, "stamp", Time(sec=1, nanosec=10**9))),
     ],
 )
 def test_poses_that_are_refused(reason: str, spoil: Callable[[PoseStamped], None]) -> None:
@@ -135,6 +136,7 @@ def test_a_range_that_is_not_a_number_comes_through_for_the_sensor_model_to_coun
         ("unknown_frame", lambda m: setattr(m.header, "frame_id", "")),
         ("no_stamp", lambda m: setattr(m.header, "stamp", Time())),
         ("negative_stamp", lambda m: setattr(m.header, "stamp", Time(sec=-5))),
+        ("malformed_stamp", lambda m: setattr(m.header, "stamp", Time(sec=1, nanosec=10**9))),
         ("field_of_view", lambda m: setattr(m, "field_of_view", math.radians(12.5))),
         ("field_of_view", lambda m: setattr(m, "field_of_view", NAN)),
         ("field_of_view", lambda m: setattr(m, "field_of_view", 0.0)),

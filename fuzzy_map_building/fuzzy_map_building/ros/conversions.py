@@ -93,6 +93,8 @@ def _stamp(header: Header, what: str) -> float:
         raise Refused("no_stamp", f"{what} has no stamp; set header.stamp to when it was measured")
     if stamp.sec < 0:
         raise Refused("negative_stamp", f"{what} has a negative stamp ({stamp.sec} s)")
+    if stamp.nanosec >= 1_000_000_000:
+        raise Refused("malformed_stamp", f"{what} has a stamp of {stamp.nanosec} ns and seconds")
     return seconds_from_stamp(stamp)
 
 

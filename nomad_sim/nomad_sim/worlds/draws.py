@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from nomad_sim.ground_truth import Reachability, way_clearance
+from nomad_sim.ground_truth import way_clearance
 from nomad_sim.params import ROBOT_RADIUS
 from nomad_sim.world import MATERIALS, Material, World
 

@@ -103,6 +103,7 @@ def test_raw_values(tmp_path: Path) -> None:
         ({"resolution": 10**400}, "cannot import"),
         ({"free_thresh": 0.7}, "free_thresh < occupied_thresh"),
         ({"mode": "tertiary"}, "mode"),
+        ({"negate": 2}, "negate must be 0 or 1, got 2"),
         ({"image": 3}, "image must be a file name"),
         ({"image": "b.pgm"}, "cannot read '.*b.pgm'"),
         ({"resolutoin": 0.1}, "unknown key 'resolutoin'; did you mean 'resolution'"),

@@ -179,13 +179,13 @@ def test_one_that_begins_to_lose_them_slows_down_and_says_so(kind: type[Script])
         script.tick()
         told.add(script.mission.advice)
     # As fast as it can brake, and no faster.
-    before = speeds(script)[-30:]
-    assert before[-1] == pytest.approx(0.3)
+    before, slow = speeds(script)[-30:], motion_parameters().watch.lossy_speed
+    assert before[-1] == pytest.approx(slow)
     assert max(a - b for a, b in itertools.pairwise(before)) <= 0.6 * DT + 1e-9
     told.discard("")
     (text,) = told
     assert text.startswith("sonars lose echoes (")
-    assert text.endswith(f" of {WINDOW}): driving at no more than 0.3 m/s")
+    assert text.endswith(f" of {WINDOW}): driving at no more than {slow:g} m/s")
 
 
 def test_one_that_hears_again_drives_on_as_before() -> None:

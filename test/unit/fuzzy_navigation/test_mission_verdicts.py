@@ -5,12 +5,14 @@
 import pytest
 
 from fuzzy_map_building.types import Pose2
+from fuzzy_navigation.concurrent_mission import mission_of
 from fuzzy_navigation.mission_types import (
     Drive,
     Outcome,
     Perceive,
     Plan,
 )
+from fuzzy_navigation.params import motion_parameters
 from fuzzy_navigation.planner import PlanResult, PlanStatus
 from unit.fuzzy_navigation.mission_script import (
     GEOMETRY,
@@ -199,6 +201,16 @@ def test_what_was_wrong_with_the_poses_is_told_until_one_can_be_used() -> None:
         "the robot stood and waited in vain: no usable pose for 60.0 s; the last was refused: "
         "of another clock"
     )
+
+
+def test_why_no_pose_came_is_known_to_the_mission_that_takes_over() -> None:
+    script = Script()
+    before = script.mission
+    before.pose_refused("of another clock")
+    script.mission = mission_of(motion_parameters(overrides={"concurrent": True}), before)
+    assert type(script.mission) is not type(before)
+    script.start(*GOAL)
+    assert script.mission.feedback().hold.endswith("the last was refused: of another clock")
 
 
 @pytest.mark.parametrize(
