@@ -24,6 +24,8 @@ WINDOW = 64
 #: one at most 9 were missing, in 194 missions of all kinds and 40 halls; of one that is deaf half
 #: the time 18 or more in each of 120 halls.
 LOSSY, SOUND = 16, 8
+#: From so many on it guards nobody, however slowly he drives.
+DEAF = 56
 #: Part of the sonars' greatest range within which an echo is to be heard again.
 CLOSE = 0.65
 #: Time [s], way [m] and turn [rad] up to which the next reading of a sonar tells of the same.
@@ -51,6 +53,14 @@ class EchoLoss:
     def lost(self) -> int:
         """Of `WINDOW` echoes those missing when the ring began to lose them; 0 if it does not."""
         return self._lost
+
+    @property
+    def deaf(self) -> str:
+        """Why the ring guards nobody, in words; empty if it does."""
+        missing = sum(self._missing)
+        if missing < DEAF:
+            return ""
+        return f"of {WINDOW} echoes from close by sonars lack {missing} in their next reading"
 
     def adopt(self, sonar: SonarParameters) -> None:
         """Go by other parameters of the same ring from now on."""

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy_map_building.types import Pose2
+from fuzzy_navigation.clear_way import LARGE_CELL, clear_until
 from fuzzy_navigation.clearance import approach_speed, clearance_at
 from fuzzy_navigation.clearance_layer import PLENTY, best_clearance, best_places
 from fuzzy_navigation.elastic_band import roomy_band
@@ -221,7 +222,9 @@ class Motion:
         self._targets = self._aim(slice(None), hits)
         centre = path.points[last]
         at_goal = np.abs(centre - (goal.x, goal.y)).max() <= 0.5 * path.resolution + 1e-9
-        if at_goal and not self._narrow((goal.x, goal.y), hits):
+        room = clearance_at((goal.x, goal.y), hits, self._p.robot_radius)[0]
+        # Where the body has so little room, a better place in the cell is sought.
+        if at_goal and not (self._p.subcell_target and room < self._p.layer.limit):
             self._targets[last] = goal.x, goal.y
         # From where the robot is straight to the second cell, or to the aim in its own one.
         ahead = self._targets[1 : self._driven + 1] if last > 0 else self._targets
@@ -279,9 +282,7 @@ class Motion:
         if self._p.subcell_target and self.passed > self._aimed_at and self._stopping is None:
             self._aim_again(pose, hits)
         lag = 2.0 * dt + delay
-        stop_at, max_speed = self._limits(pose, hits, lag)
-        if len(suspected) > 0:
-            limit = min(limit, self._wary_speed(pose, suspected, lag))
+        stop_at, max_speed = self._limits(pose, hits, suspected, lag)
         max_speed = min(max_speed, limit)
         if delay * max_speed > STALE_WAY:
             max_speed = max(STALE_WAY / delay, CRAWL)
@@ -312,11 +313,6 @@ class Motion:
         side, radius = self._path.resolution, self._p.robot_radius
         return roomy_band(way, pose if moving else None, hits, radius, self._enough, side)
 
-    def _narrow(self, place: tuple[float, float], hits: NDArray[np.float64]) -> bool:
-        """Whether a place leaves the body so little room that a better one is sought."""
-        clearance = clearance_at(place, hits, self._p.robot_radius)[0]
-        return self._p.subcell_target and bool(clearance < self._p.layer.limit)
-
     def _aim_again(self, pose: Pose2, hits: NDArray[np.float64]) -> None:
         """Drive to better places in the cells ahead, if what was seen since shows such."""
         self._aimed_at = self.passed
@@ -339,38 +335,41 @@ class Motion:
             self._targets[ahead] = way[1:]
         self._follower.follow(way, moving=True)
 
-    def _wary_speed(self, pose: Pose2, suspected: Points, lag: float) -> float:
-        """Return the speed [m/s] from which the robot stops at its least clearance.
-
-        An echo tells no direction: it counts as if it lay ahead.
-        """
-        clearance = clearance_at((pose.x, pose.y), suspected, self._p.robot_radius)[0]
-        room = float(clearance) - self._p.clearance.limit
-        deceleration = BRAKING_PART * self._p.follower.linear_acceleration
-        return max(LEAST_SPEED, approach_speed(room, deceleration, lag))
-
     def _stop(self, reason: Stop) -> None:
         if self._stopping is None:
             self._stopping = reason
 
-    def _limits(self, pose: Pose2, hits: NDArray[np.float64], lag: float) -> tuple[float, float]:
+    def _limits(
+        self, pose: Pose2, hits: Points, suspected: Points, lag: float
+    ) -> tuple[float, float]:
         """Return where the robot has to stand at the latest [m] and its largest speed [m/s]."""
-        follower = self._follower
+        follower, radius = self._follower, self._p.robot_radius
         speed, _ = follower.velocity
         deceleration = BRAKING_PART * self._p.follower.linear_acceleration
         horizon = follower.progress + speed * speed / (2.0 * deceleration)
-        horizon += speed * lag + 1.5 * self._path.resolution
+        horizon += speed * lag
+        stop_at, side, rungs = math.inf, self._path.resolution, (self._path.alpha, self._vain)
+        if side >= LARGE_CELL:
+            stop_at = clear_until(self._rule, follower, pose, hits, radius, *rungs, horizon)
+            if stop_at <= follower.progress:
+                self._stop(Stop.CLEARANCE)
+        horizon += 1.5 * side
         passed = follower.vertex_progress
         first = self.passed - self._first + 1
         ahead = slice(first, max(first + 1, follower.vertices_until(horizon)))
         places = np.concatenate(([(pose.x, pose.y)], follower.vertices[ahead]))
-        clearances = clearance_at(places, hits, self._p.robot_radius)
+        clearances = clearance_at(places, hits, radius)
         max_speed = max(LEAST_SPEED, approach_speed(float(clearances[0]), deceleration, lag))
-        stop_at = math.inf
+        if len(suspected) > 0:
+            # An echo tells no direction: it counts as if it lay ahead of the robot.
+            room = float(clearance_at(places[:1], suspected, radius)[0]) - self._p.clearance.limit
+            wary = max(LEAST_SPEED, approach_speed(room, deceleration, lag))
+            max_speed = min(max_speed, wary)
         if self._reach < self._driven:
             # The map changed under the path.
-            stop_at = float(passed[self._reach - self._first])
-            if follower.progress >= stop_at - PASSED:
+            end = float(passed[self._reach - self._first])
+            stop_at = min(stop_at, end)
+            if follower.progress >= end - PASSED:
                 self._stop(Stop.UNEXPLORED)
         blocked = self._blocked(clearances, self._first + first, hits).tolist()
         if True in blocked:

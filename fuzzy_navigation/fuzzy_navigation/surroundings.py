@@ -202,7 +202,7 @@ class Surroundings:
 
     def deaf(self, now: float) -> str:
         """Return why the sonars that guard the robot must be deaf; empty if they need not be."""
-        return self._hearing.deaf(self.seen(now), self._p.watch.open_space)
+        return self._hearing.deaf(self.seen(now), self._p.watch.open_space) or self._loss.deaf
 
     @property
     def max_speed(self) -> float:

@@ -139,7 +139,7 @@ def test_faulty_readings_are_left_out() -> None:
     assert ears.loss.lost == WINDOW
 
 
-def every_second(script: Script, turns: int = 2) -> None:
+def now_and_then(script: Script, turns: int = 4) -> None:
     """Have the ring miss every so manyth round of echoes."""
 
     def heard(x: float, y: float, direction: float) -> float:
@@ -155,7 +155,7 @@ def speeds(script: Script) -> list[float]:
 @pytest.mark.parametrize("limit", [0.3, 0.05])
 def test_a_robot_whose_sonars_lose_echoes_drives_slowly(limit: float) -> None:
     script = Script(motion_parameters(overrides={"watch.lossy_speed": limit}))
-    every_second(script)
+    now_and_then(script)
     for _ in range(WINDOW):
         script.tick()
     script.set_out(GOAL)
@@ -173,7 +173,7 @@ def test_one_that_begins_to_lose_them_slows_down_and_says_so(kind: type[Script])
     top = speeds(script)[-1]
     assert top > 0.4
     assert script.mission.advice == ""
-    every_second(script)
+    now_and_then(script)
     told = set()
     for _ in range(30):
         script.tick()
@@ -190,7 +190,7 @@ def test_one_that_begins_to_lose_them_slows_down_and_says_so(kind: type[Script])
 
 def test_one_that_hears_again_drives_on_as_before() -> None:
     script = Script()
-    every_second(script)
+    now_and_then(script)
     for _ in range(WINDOW):
         script.tick()
     assert script.mission.advice
@@ -217,16 +217,16 @@ def test_a_healthy_ring_never_loses_echoes(kind: type[Script]) -> None:
 
 def test_sonars_that_guard_nothing_may_lose_echoes() -> None:
     script = Script(motion_parameters(overrides={"sonar_guard.enabled": False}))
-    every_second(script)
+    now_and_then(script)
     for _ in range(WINDOW):
         script.tick()
     assert script.mission.advice == ""
 
 
-@pytest.mark.parametrize("turns", [1, 2])
+@pytest.mark.parametrize("turns", [1, 4])
 def test_what_sonars_did_that_guard_no_more_is_forgotten(turns: int) -> None:
     script = Script()
-    every_second(script, turns)
+    now_and_then(script, turns)
     for _ in range(WINDOW):
         script.tick()
     script.mission.adopt(motion_parameters(overrides={"sonar_guard.enabled": False}))
