@@ -31,6 +31,7 @@ __all__ = [
     "clearance_layer",
     "clearance_risk",
     "places_in_cell",
+    "shift_within",
     "warm_up",
 ]
 
@@ -44,6 +45,8 @@ STEP = 0.001
 CLOSED_RISK = 2.0
 #: Clearance beyond which more is no better for the place to drive to in a cell [m].
 PLENTY = 0.25
+#: How far aside the places in a cell are at most, as a part of its side.
+MOST_ASIDE = 0.45
 #: Most pairs of a hit point and a cell near to it: 10,000 points on cells of 5 cm. What a
 #: request has computed of them takes about 100 bytes each.
 MOST_PAIRS = 8_000_000
@@ -87,6 +90,25 @@ def _risks(clearance: Floats, closed: float, limit: float, free: float, risk: Fl
             risk[i] = (LIMIT_RISK - STEP) * (free - c) / (free - limit)
         else:
             risk[i] = 0.0
+
+
+def shift_within(shift: float, side: float) -> float:
+    """Return how far aside the places of a cell are, which all lie in the cell.
+
+    Parameters
+    ----------
+    shift : float
+        How far aside they are wanted, `LayerParameters.shift` [m].
+    side : float
+        Side of the cell [m].
+
+    Returns
+    -------
+    float
+        That, but no more than 0.45 sides [m]: farther off a place is one of the neighbours', and
+        a cell would count by room that is not its own.
+    """
+    return min(shift, MOST_ASIDE * side)
 
 
 def places_in_cell(shift: float) -> Floats:
@@ -219,14 +241,15 @@ def clearance_layer(
     """
     p = parameters
     # Farther than this from all hit points a cell's best place has no risk.
-    reach = robot_radius + p.free + math.sqrt(2.0) * p.shift
+    shift = shift_within(p.shift, geometry.resolution)
+    reach = robot_radius + p.free + math.sqrt(2.0) * shift
     cells, near = _cells_near(geometry, hits, reach)
     known, where = np.unique(cells, return_inverse=True)
     rows, columns = np.divmod(cells, geometry.width)
     x, y = geometry.centre_coordinates(rows, columns)
     offset_x, offset_y = x - near[:, 0], y - near[:, 1]
     best = np.zeros(len(known))
-    for shift_x, shift_y in places_in_cell(p.shift):
+    for shift_x, shift_y in places_in_cell(shift):
         nearest = np.full(len(known), np.inf)
         np.minimum.at(nearest, where, (offset_x + shift_x) ** 2 + (offset_y + shift_y) ** 2)
         np.maximum(best, nearest, out=best)

@@ -46,7 +46,7 @@ class LayerParameters:
     shift: float = parameter(
         0.045,
         doc="a cell counts by the best of nine places in it, its centre and those so far to its "
-        "sides; less than half a cell",
+        "sides; of it counts no more than 0.45 of a cell",
         unit="m",
         minimum=0.0,
         maximum=1.0,

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from fuzzy_map_building.types import Pose2
 from fuzzy_navigation.clear_way import LARGE_CELL, clear_until
 from fuzzy_navigation.clearance import approach_speed, clearance_at
-from fuzzy_navigation.clearance_layer import PLENTY, best_clearance, best_places
+from fuzzy_navigation.clearance_layer import PLENTY, best_clearance, best_places, shift_within
 from fuzzy_navigation.elastic_band import roomy_band
 from fuzzy_navigation.follower import ALIGNED, BRAKING_PART, Follower
 from fuzzy_navigation.mission_types import Stop
@@ -306,6 +306,7 @@ class Motion:
         if not self._p.subcell_target:
             return planned.copy()
         radius, shift = self._p.robot_radius, self._p.layer.shift
+        shift = shift_within(shift, self._path.resolution)
         return best_places(self._path.points[part], hits, radius, shift, planned)
 
     def _smoothed(self, way: Points, pose: Pose2, hits: Points, moving: bool) -> Points:
@@ -393,6 +394,7 @@ class Motion:
         # As the planner judged the cells: by the best place in each.
         first = min(first, len(self._path.points) - 1)
         cells = self._path.points[first : first + len(clearances) - 1]
-        best = best_clearance(cells, hits, self._p.robot_radius, self._p.layer.shift)
+        shift = shift_within(self._p.layer.shift, self._path.resolution)
+        best = best_clearance(cells, hits, self._p.robot_radius, shift)
         by_cells = self._rule.blocked(np.concatenate((clearances[:1], best)), alpha, vain)
         return by_cells | self._floor.blocked(clearances, alpha, vain)

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy_map_building.grid import GridGeometry
-from fuzzy_navigation.clearance_layer import best_clearance
+from fuzzy_navigation.clearance_layer import best_clearance, shift_within
 from fuzzy_navigation.mission_record import MissionRecord
 from fuzzy_navigation.mission_types import Stop
 
@@ -53,7 +53,8 @@ class RefusedCells:
     believed_free_alpha : float
         Rung up to which a path leads through no cell that is believed occupied.
     shift : float
-        How far off its centre the robot may drive through a cell, in x and in y [m].
+        How far off its centre the robot may drive through a cell, in x and in y [m]; see
+        `shift_within`.
     """
 
     def __init__(
@@ -130,7 +131,8 @@ class RefusedCells:
             return
         centres = np.array(sorted(cells))
         # As planner and motion judge them: a cell counts by its best place.
-        distance = best_clearance(centres, hits, 0.0, self._shift)
+        shift = shift_within(self._shift, geometry.resolution)
+        distance = best_clearance(centres, hits, 0.0, shift)
         for column, row in centres[distance < self._keep_out].tolist():
             self._until[column, row] = perception + self._memory
 

@@ -15,6 +15,7 @@ from fuzzy_navigation.clearance_layer import (
     clearance_layer,
     clearance_risk,
     places_in_cell,
+    shift_within,
 )
 from fuzzy_navigation.layer_params import LayerParameters
 from fuzzy_navigation.plan_types import RiskLayer
@@ -159,6 +160,19 @@ def test_nine_places_the_centre_first():
     assert sorted(map(tuple, places.tolist())) == sorted(
         (x, y) for x in (-0.03, 0.0, 0.03) for y in (-0.03, 0.0, 0.03)
     )
+
+
+@pytest.mark.parametrize(("side", "shift"), [(0.05, 0.0225), (0.1, 0.045), (0.2, 0.045)])
+def test_the_places_of_a_small_cell_stay_in_it(side, shift):
+    assert shift_within(0.045, side) == pytest.approx(shift, abs=1e-12)
+    geometry = GridGeometry(40, 40, side)
+    hit = np.array([geometry.centre_of(20, 20)])
+    parameters = LayerParameters(closed=0.02, limit=0.2, free=1.0)
+    layer = clearance_layer(geometry, hit, RADIUS, parameters)
+    risks = dict(zip(map(tuple, layer.cells.tolist()), layer.cut.tolist(), strict=True))
+    # Two cells to the side: the best of the nine places is one of the corners farthest away.
+    clearance = math.hypot(2 * side + shift, shift) - RADIUS
+    assert risks[20, 22] == pytest.approx(clearance_risk([clearance], parameters)[0], abs=1e-9)
 
 
 @pytest.mark.parametrize(
