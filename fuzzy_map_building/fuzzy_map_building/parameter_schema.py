@@ -189,9 +189,7 @@ def checked_value(info: ParameterInfo, value: Any) -> Any:
     """Return a value in the parameter's own type, or raise ParameterError."""
     if info.is_sequence:
         if isinstance(value, (str, bytes)) or not hasattr(value, "__iter__"):
-            # ROS hands an empty list on as no value.
-            found = "nothing" if value is None else shown(value)
-            raise ParameterError(f"parameter '{info.name}' is a list, got {found}")
+            raise ParameterError(f"parameter '{info.name}' is a list, got {shown(value)}")
         elements = tuple(itertools.islice(value, _MAX_ELEMENTS + 1))
         if len(elements) > _MAX_ELEMENTS:
             raise ParameterError(f"parameter '{info.name}' has more than {_MAX_ELEMENTS} elements")

@@ -135,7 +135,8 @@ class InfraredParameters:
 
     frame_ids: tuple[str, ...] = parameter(
         tuple(f"infrared_{i}" for i in range(16)),
-        doc="frame of each sensor, in the order of the bearings",
+        doc="frame of each sensor, in the order of the bearings; empty, as those, where there are "
+        "none: the sonars then guard the robot alone",
         read_only=True,
         source=f"{_PAPER}, section IV-B",
     )

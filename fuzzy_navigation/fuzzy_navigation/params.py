@@ -301,6 +301,11 @@ class MotionParameters:
 
     def __post_init__(self) -> None:
         validate(self)
+        if not (self.infrared.frame_ids or self.sonar_guard.enabled):
+            raise ParameterError(
+                "without infrareds ('infrared.frame_ids' is empty) only the sonars can keep the "
+                "robot from what is near: 'sonar_guard.enabled' must be true"
+            )
 
 
 #: What each preset changes of the defaults, by dotted name: the rules beyond the paper are the

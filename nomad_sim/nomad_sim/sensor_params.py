@@ -56,8 +56,6 @@ def _mount_radius() -> Any:
 
 
 def _check_ring(group: str, frame_ids: tuple[str, ...], count: int) -> None:
-    if not frame_ids:
-        raise ParameterError(f"parameter '{group}.frame_ids' must name at least one sensor")
     if len(frame_ids) != count:
         raise ParameterError(
             f"'{group}.frame_ids' names {len(frame_ids)} sensors but '{group}.bearings' gives "
@@ -165,6 +163,8 @@ class SonarParameters:
 
     def __post_init__(self) -> None:
         validate(self)
+        if not self.frame_ids:
+            raise ParameterError("parameter 'sonar.frame_ids' must name at least one sensor")
         _check_ring("sonar", self.frame_ids, len(self.bearings))
         _check_limits("sonar", self.min_range, self.max_range)
         if self.short_outliers + self.lost_outliers > 1.0:

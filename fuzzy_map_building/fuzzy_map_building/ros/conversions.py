@@ -213,11 +213,12 @@ def range_from_msg(
     try:
         sensor = frame_ids.index(frame)
     except ValueError:
+        first = f" {', '.join(frame_ids[:3])}..." if frame_ids else ""
         raise Refused(
             "unknown_frame",
             f"{topic} range from frame {shown(frame)}, which is none of the {len(frame_ids)} "
-            f"sensors {', '.join(frame_ids[:3])}...; name it in the parameter "
-            f"'{topic}.frame_ids', or let the driver say what stands there",
+            f"sensors{first}; name it in the parameter '{topic}.frame_ids', or let the driver say "
+            "what stands there",
         ) from None
     stamp = _stamp(message.header, f"{topic} range")
     if field_of_view is not None and not (

@@ -217,11 +217,18 @@ def declare_parameters(
         node.get_logger().warning(f"there are no presets here: {preset!r} is not used")
     if names and preset not in names:
         raise ParameterError(f"unknown preset {preset!r}{suggest(str(preset), names)}")
+    known = describe(type(factory(preset, {})))
+    for name, value in given.items():
+        if name not in known:
+            near = suggest(name, (*known, *([PRESET] if names else []), _SIM_TIME))
+            raise ParameterError(f"unknown parameter {shown(name)}{near}")
+        if value is None and known[name].is_sequence:
+            given[name] = ()  # ROS hands an empty list on as no value
     parameters = NodeParameters(factory(preset, given), on_change)
     if names:
         node.declare_parameter(PRESET, preset, _preset_descriptor(names), ignore_override=True)
     values = flatten(parameters.values)
-    for name, info in describe(type(parameters.values)).items():
+    for name, info in known.items():
         value = list(values[name]) if info.is_sequence else values[name]
         node.declare_parameter(name, value, _descriptor(info, value), ignore_override=True)
     node.add_pre_set_parameters_callback(parameters.convert)

@@ -97,6 +97,11 @@ def test_overrides_come_on_top():
         (motion_parameters, {"clearance.rule": "closed"}, "did you mean 'closing'"),
         (motion_parameters, {"infrared.bearings": [0.0]}, "frame_ids.*16.*bearings.*1"),
         (motion_parameters, {"infrared.frame_ids": ["a"] * 16}, "names a frame twice"),
+        (
+            motion_parameters,
+            {"infrared.frame_ids": [], "infrared.bearings": [], "sonar_guard.enabled": False},
+            "without infrareds.*'sonar_guard.enabled' must be true",
+        ),
         (motion_parameters, {"infrared.min_range": 0.7}, "min_range.*below.*max_range"),
         (motion_parameters, {"follower.max_linear": 0.0}, "max_linear"),
         (motion_parameters, {"perception_cap": 2.5}, "perception_cap.*must be a whole number"),

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import fields, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -197,6 +198,16 @@ def test_single_parameters_override_the_preset(room: World) -> None:
     assert (mission.simulator.parameters.seed, mission.simulator.parameters.noise) == (9, False)
     log = mission.run()
     assert (log.outcome, log.perceptions) == (Outcome.UNREACHABLE, 1)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_robot_without_infrareds_is_guarded_by_its_sonars(seed: int) -> None:
+    none: dict[str, Any] = {"infrared.frame_ids": (), "infrared.bearings": ()}
+    mission = HeadlessMission("lab", seed=seed, mapper=none, motion=none, simulator=none)
+    log = mission.run()
+    assert (log.outcome, log.contacts) == (Outcome.REACHED, 0)
+    # Walls came close enough to be touched.
+    assert 0.0 < log.min_clearance < 0.25
 
 
 @pytest.mark.parametrize(

@@ -33,6 +33,7 @@ def test_overrides_have_the_last_word():
         ("sonar.firing_slots", (0, 1), "2 slots for 16 sonars"),
         ("sonar.firing_slots", (-1,) * 16, "at least 0"),
         ("sonar.frame_ids", ("a",) * 16, "twice"),
+        ("sonar.frame_ids", (), "must name at least one sensor"),
         ("sonar.frame_ids", ("a", "b"), "2 sensors but 'sonar.bearings' gives 16"),
         ("sonar.short_outliers", 1.5, "at most 1.0"),
         ("infrared.min_range", 0.6, "below 'infrared.max_range'"),
