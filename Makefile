@@ -19,12 +19,14 @@ export PYTHON
 help:
 	@echo 'make demo          the robot crosses an unknown laboratory; results in build/demo'
 	@echo '                   (DEMO_ARGS="--world office --seed 3" for other runs)'
-	@echo 'make test          build, then every test of every package'
+	@echo 'make test          build, then every test of every package, in 8 minutes or more'
+	@echo '                   (TEST_ARGS="--pytest-args -k planner" for some of them)'
 	@echo 'make build         the environment (.venv, or a sourced ROS 2 Jazzy) and all packages'
 	@echo 'make shell         a shell in which install/<package>/lib/<package>/<executable> runs'
 	@echo 'make lint          ruff, mypy and the import contracts'
 	@echo 'make coverage      line and branch coverage: the cores, and all'
 	@echo 'make bench         times beside those of other libraries, which it installs; 5 minutes or more'
+	@echo '                   (BENCH_ARGS="-k packet" for some of them)'
 	@echo 'make requirements  resolve .ci/requirements.in into requirements.txt again'
 	@echo 'make clean         remove .venv and everything that was built'
 	@echo 'PYTHON=python3.12 chooses the interpreter (3.10-3.13).'
@@ -38,6 +40,8 @@ demo: build
 test: build
 	@.ci/in_environment .ci/test $(TEST_ARGS)
 
+# All shells are of one domain, as those of an installed ROS 2 are: what runs in them is to meet.
+shell: export ROS_DOMAIN_ID ?= 0
 shell: build
 	@if [ -t 0 ]; then set -- -i; fi; .ci/in_environment "$${SHELL:-/bin/sh}" "$$@"
 

@@ -16,6 +16,8 @@ setup(
         ("share/fuzzy_map_building", ["package.xml"]),
         ("share/fuzzy_map_building/config", sorted(glob("config/*.yaml"))),
     ],
+    # For an installation without ROS; what ROS needs is in package.xml.
+    install_requires=["numpy", "PyYAML"],
     zip_safe=True,
     maintainer="The fuzzy navigation maintainers",
     maintainer_email="maintainers@example.com",

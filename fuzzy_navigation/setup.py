@@ -15,6 +15,8 @@ setup(
         ("share/fuzzy_navigation", ["package.xml"]),
         ("share/fuzzy_navigation/config", sorted(glob("config/*.yaml"))),
     ],
+    # For an installation without ROS; what ROS needs is in package.xml.
+    install_requires=["numpy", "scipy"],
     zip_safe=True,
     maintainer="The fuzzy navigation maintainers",
     maintainer_email="maintainers@example.com",

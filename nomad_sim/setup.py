@@ -16,6 +16,8 @@ setup(
         ("share/nomad_sim/config", sorted(glob("config/*.yaml"))),
         ("share/nomad_sim/worlds", sorted(glob("worlds/*.yaml"))),
     ],
+    # For an installation without ROS; what ROS needs is in package.xml.
+    install_requires=["matplotlib", "numpy", "PyYAML", "scipy", "tqdm"],
     zip_safe=True,
     maintainer="The fuzzy navigation maintainers",
     maintainer_email="maintainers@example.com",

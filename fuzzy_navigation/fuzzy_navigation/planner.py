@@ -277,7 +277,7 @@ class Planner:
             tries.append((None, unbarred, f"{hits} and {barred}"))
         for laid, tried, what in tries:
             if self._map.rungs(laid).search(tried, rung) is not None:
-                return f"; the map by itself has a path, which {what} close"
+                return f"; the map by itself has a path, but it is closed by {what}"
         return ""
 
     def _goal_cells(

@@ -208,6 +208,19 @@ def test_what_nodes_would_refuse_is_told_before_any_is_started(
     ]
 
 
+def test_a_planner_and_a_motion_that_do_not_agree_are_not_started(
+    start_node: Callable[..., NodeProcess], tmp_path: Path
+) -> None:
+    file = tmp_path / "robot.yaml"
+    file.write_text("/**/fuzzy_motion: {ros__parameters: {robot_radius: 0.2}}\n")
+    process = start_node("bringup", arguments=["--params-file", str(file)])
+    assert process.wait(60.0) == 2
+    assert process.output().splitlines() == [
+        "planner and motion do not agree: robot_radius is 0.23 in the planner and 0.2 in the "
+        "motion; give both the same"
+    ]
+
+
 @pytest.mark.parametrize("namespace", ["a b", "1st", "a//b", "ä", "a/2", "/"])
 def test_what_is_no_namespace_is_refused(namespace: str) -> None:
     with pytest.raises(ValueError, match="letters, digits, '_' and '/' between names"):

@@ -144,6 +144,21 @@ def test_it_reaches_the_goal_and_leaves_figures_and_a_summary(
         assert picture.std() > 0.1  # something is on it
 
 
+def test_a_robot_without_infrareds_gets_there(
+    demo: Callable[..., NodeProcess], room: Path, tmp_path: Path
+) -> None:
+    nodes = ("nomad_sim", "fuzzy_mapper", "fuzzy_motion")
+    none = "{ros__parameters: {infrared.frame_ids: [], infrared.bearings: []}}"
+    params = tmp_path / "sonars.yaml"
+    params.write_text("".join(f"/**/{node}: {none}\n" for node in nodes))
+    process = demo("--world", room, "--params-file", params)
+    assert process.wait(LONG) == 0, process.output()
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert (summary["verdict"], summary["contacts"]) == ("reached", 0)
+    for node in nodes:
+        assert summary["parameters"][node]["infrared.frame_ids"] == []
+
+
 def test_a_wrong_verdict_is_no_success(
     demo: Callable[..., NodeProcess], room: Path, tmp_path: Path
 ) -> None:

@@ -55,12 +55,15 @@ def blocks(language: str) -> list[str]:
 #: What a reader types into a shell, line by line.
 LINES = [line for text in blocks("sh") for line in text.splitlines()]
 CAMPAIGNS = [line for line in LINES if "/campaign " in line]
-STUDIES = [line for line in LINES if line.startswith("python3 ")]
+STUDIES = [line for line in LINES if line.startswith("python3 test/")]
 SIMULATORS = [line for line in LINES if line.endswith("/sim")]
 BRINGUPS = [line for line in LINES if "/bringup " in line]
 DEMOS = [line for line in LINES if line.startswith("make demo")]
 PACKAGES = [line for line in LINES if "apt-get install" in line]
 TESTS = [line for line in LINES if line == "make test"]
+INSTALLATIONS = [line for line in LINES if "pip install" in line]
+#: Variables by which a make that these tests run in would change those that they start.
+OUTER = ("MAKEFLAGS", "MFLAGS", "MAKELEVEL", "DEMO_ARGS", "TEST_ARGS", "PYTHON")
 
 
 @pytest.fixture
@@ -89,11 +92,10 @@ def run(line: str) -> str:
 
 def made(line: str) -> list[str]:
     """Return the commands that a line with make would run."""
-    outer = ("MAKEFLAGS", "MFLAGS", "MAKELEVEL", "DEMO_ARGS", "TEST_ARGS", "PYTHON")
     done = subprocess.run(
         [*shlex.split(line), "--dry-run"],
         cwd=ROOT,
-        env={name: value for name, value in os.environ.items() if name not in outer},
+        env={name: value for name, value in os.environ.items() if name not in OUTER},
         capture_output=True,
         text=True,
         check=True,
@@ -103,6 +105,7 @@ def made(line: str) -> list[str]:
 
 def test_no_block_goes_untested() -> None:
     known = [*CAMPAIGNS, *STUDIES, *SIMULATORS, *BRINGUPS, *DEMOS, *PACKAGES, *TESTS]
+    known += INSTALLATIONS
     assert sorted(known) == sorted(LINES)
     assert {kind for kind, _ in BLOCKS} == {"sh", "python", "yaml"}
     assert README.count("```") == 2 * len(BLOCKS)
@@ -118,6 +121,34 @@ def test_the_packages_to_install_exist() -> None:
     if len(available := set(known.stdout.split())) < 10_000:
         pytest.skip("apt knows only what is installed; needs `apt-get update`")
     assert set(command[3:]) <= available
+
+
+def test_the_installation_without_ros_is_complete(tmp_path: Path) -> None:
+    (line,) = INSTALLATIONS
+    program, *options = shlex.split(line)
+    assert (program, options[:3]) == ("python3", ["-m", "pip", "install"])
+    for package in options[3:]:
+        shutil.copytree(
+            ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("*.egg-info")
+        )
+    # What is not here comes from elsewhere: that pip would fetch it is not tried.
+    offline = ["--no-index", "--no-deps", "--no-build-isolation", "--no-warn-script-location"]
+    command = [sys.executable, *options, "--quiet", *offline, "--target", str(tmp_path / "site")]
+    subprocess.run(command, cwd=tmp_path, check=True, timeout=LONG)
+    mission = (
+        "from nomad_sim import headless as h; print(h.__file__, h.run_mission('lab').outcome.name)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", mission],
+        cwd=tmp_path / "site",
+        env={"PATH": os.environ["PATH"], "HOME": str(tmp_path), "NUMBA_DISABLE_JIT": "1"},
+        capture_output=True,
+        text=True,
+        timeout=LONG,
+    )
+    site, outcome = done.stdout.split()
+    assert site == str(tmp_path / "site" / "nomad_sim" / "headless.py"), done.stderr
+    assert outcome == "REACHED"
 
 
 def test_make_test_builds_and_tests() -> None:
@@ -168,6 +199,29 @@ def test_make_shell_asks_for_a_prompt_only_where_somebody_types(tmp_path: Path) 
     finally:
         os.close(terminal)
         os.close(end)
+
+
+def test_what_runs_in_two_shells_meets(tmp_path: Path) -> None:
+    (tmp_path / "Makefile").symlink_to(ROOT / "Makefile")
+    for name, line in (("build", ":"), ("in_environment", 'echo "domain $ROS_DOMAIN_ID"')):
+        script = tmp_path / ".ci" / name
+        script.parent.mkdir(exist_ok=True)
+        script.write_text(f"#!/bin/sh\n{line}\n")
+        script.chmod(0o755)
+    for given, expected in ((None, "0"), ("7", "7")):
+        environment = {k: v for k, v in os.environ.items() if k not in ("ROS_DOMAIN_ID", *OUTER)}
+        if given is not None:
+            environment["ROS_DOMAIN_ID"] = given
+        done = subprocess.run(
+            ["make", "shell"],
+            cwd=tmp_path,
+            env=environment,
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        assert done.stdout == f"domain {expected}\n"
 
 
 @pytest.mark.timeout(LONG + 20.0)

@@ -58,6 +58,18 @@ def test_who_stays_is_told_of_by_name_and_once_in_the_log(
     assert rivals.look() == ""
 
 
+def test_two_simulators_share_the_clock_whatever_their_namespaces(
+    start_node: Callable[..., NodeProcess],
+) -> None:
+    robots = ("robot1", "robot2")
+    options = ("--ros-args", "-r")
+    first, _ = (start_node("sim", arguments=[*options, f"__ns:=/{robot}"]) for robot in robots)
+    told = first.wait_for_output("'/clock' has 2 publishers")
+    assert "(/robot1/nomad_sim, /robot2/nomad_sim)" in told
+    assert f"{ADVICE}, and its nodes a clock by -r /clock:=/NAME/clock" in told
+    assert "pose" not in told
+
+
 def test_servers_are_counted(probe: Probe, other: Probe) -> None:
     rivals = Rivals(probe.node, services=[names.PLAN_PATH])
     for each in (probe, other):

@@ -9,7 +9,7 @@ wait for the others, which are still loading, to end as well.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import TypeVar
 
 from rclpy.context import Context
 from rclpy.node import Node
@@ -17,16 +17,19 @@ from rclpy.node import Node
 from fuzzy_map_building.parameter_schema import ParameterError
 from fuzzy_map_building.ros.addressed import Addressed
 from fuzzy_map_building.ros.discovery import set_discovery
+from fuzzy_map_building.ros.parameters import NodeParameters
 
 __all__ = ["check_parameters"]
+
+T = TypeVar("T")
 
 
 def check_parameters(
     name: str,
-    declare: Callable[[Node], Any],
+    declare: Callable[[Node], NodeParameters[T]],
     arguments: Sequence[str],
     domain: int | None = None,
-) -> None:
+) -> NodeParameters[T]:
     """Have a bare node declare the parameters of one that is to be started.
 
     Parameters
@@ -39,6 +42,11 @@ def check_parameters(
         What follows ``--ros-args`` of its command line; one that `check_arguments` has passed.
     domain : int, optional
         ROS domain; None: that of the process.
+
+    Returns
+    -------
+    NodeParameters
+        Those that the node would have.
 
     Raises
     ------
@@ -53,7 +61,7 @@ def check_parameters(
     try:
         node = Node(name, context=context, enable_rosout=False, start_parameter_services=False)
         try:
-            declare(node)
+            return declare(node)
         except ParameterError as error:
             raise ValueError(
                 f"{name}: cannot start: {error}{addressed.origin(str(error), name)}"

@@ -19,6 +19,8 @@ from typing import Final
 
 from rclpy.node import Node
 
+from fuzzy_map_building.ros import names
+
 __all__ = ["Rivals"]
 
 #: At so many looks in a row somebody has to be there to count: a node that takes over from
@@ -74,6 +76,9 @@ class Rivals:
         if lasting:
             told = "; ".join(self._told_of(name, counted[name]) for name in lasting)
             text = f"{told}: stop all but one, or give each robot a namespace of its own"
+            if names.CLOCK in lasting:
+                # A topic of no namespace, and what time is for all nodes that hear it.
+                text += f", and its nodes a clock by -r {names.CLOCK}:=/NAME{names.CLOCK}"
         if not self._told.issuperset(lasting):
             self._node.get_logger().warning(text)
         self._told = frozenset(lasting)

@@ -12,8 +12,9 @@ from rclpy.node import Node
 
 from fuzzy_map_building.ros import names
 from fuzzy_map_building.ros.declarations import declare_mapper
-from fuzzy_map_building.ros.parameters import declare_parameters
+from fuzzy_map_building.ros.parameters import NodeParameters, declare_parameters
 from fuzzy_map_building.ros.rehearsal import check_parameters
+from fuzzy_navigation.agreement import disagreement, shared_parameters
 from fuzzy_navigation.params import (
     MOTION_PRESETS,
     PLANNER_PRESETS,
@@ -24,7 +25,7 @@ from fuzzy_navigation.params import (
 __all__ = ["DECLARATIONS", "Declaration", "declare_motion", "declare_planner", "refusals"]
 
 #: Name of a node, and what declares its parameters.
-Declaration: TypeAlias = tuple[str, Callable[[Node], Any]]
+Declaration: TypeAlias = tuple[str, Callable[[Node], NodeParameters[Any]]]
 
 #: `declare_parameters` of a node that is a planner, or the motion.
 declare_planner = functools.partial(
@@ -49,6 +50,8 @@ def refusals(
 ) -> list[str]:
     """Return what nodes would say that refuse their parameters; empty if all take them.
 
+    Planner and motion that do not agree would do so only when the first path is planned.
+
     Parameters
     ----------
     arguments : mapping of str to sequence of str
@@ -59,9 +62,13 @@ def refusals(
         ROS domain; None: that of this process.
     """
     told = []
+    taken = {}
     for process, (name, declare) in declarations.items():
         try:
-            check_parameters(name, declare, arguments[process], domain)
+            taken[process] = check_parameters(name, declare, arguments[process], domain).values
         except ValueError as error:
             told.append(" ".join(str(error).split()))
+    if "motion" in taken and "planner" in taken:
+        both = shared_parameters(taken["motion"]), shared_parameters(taken["planner"])
+        told += filter(None, [disagreement(*both)])
     return told

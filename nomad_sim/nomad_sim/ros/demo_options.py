@@ -17,7 +17,7 @@ from fuzzy_map_building.ros.addressed import section_parameters
 from fuzzy_map_building.types import Pose2
 from fuzzy_map_building.wording import real_number, whole_number
 from fuzzy_navigation.params import motion_parameters, planner_parameters
-from nomad_sim.ground_truth import reachable
+from nomad_sim.ground_truth import Reachability, reachability
 from nomad_sim.output_folder import made_folder
 from nomad_sim.ros.domain import DOMAINS, RESERVED
 from nomad_sim.ros.params import simulation_parameters
@@ -58,8 +58,8 @@ class DemoOptions:
         With the start and the goal that were asked for.
     world_source : str
         Name or file that it comes from.
-    expected : str
-        True verdict, ``reached`` or ``unreachable``.
+    expected : tuple of str
+        True verdicts: ``reached`` or ``unreachable``, and of a marginal goal either.
     seed : int
         Seed of the simulator.
     rate : float
@@ -82,7 +82,7 @@ class DemoOptions:
 
     world: World
     world_source: str
-    expected: str
+    expected: tuple[str, ...]
     seed: int
     rate: float
     lockstep: bool
@@ -106,7 +106,7 @@ def parse_options(arguments: Sequence[str] | None = None) -> DemoOptions:
     """
     args = _parser().parse_args(arguments)
     world = load_world(args.world)
-    expected = world.expected
+    expected: tuple[str, ...] = (world.expected,)
     motion = motion_parameters(args.preset)
     planner_parameters(args.preset)
     mapper_parameters(args.preset)
@@ -123,8 +123,9 @@ def parse_options(arguments: Sequence[str] | None = None) -> DemoOptions:
     if args.goal is not None:
         world.check_free(*world.goal, "--goal")
     if args.start is not None or args.goal is not None:
-        can_be = reachable(world, values.robot.radius, motion.goal_tolerance)
-        expected = "reached" if can_be else "unreachable"
+        truth = reachability(world, values.robot.radius, motion.goal_tolerance)
+        either = truth is Reachability.MARGINAL
+        expected = ("reached", "unreachable") if either else (truth.expected,)
     return DemoOptions(
         world=world,
         world_source=args.world,

@@ -132,13 +132,13 @@ def summarise(
     """
     verdict, world = record.verdict, options.world
     contacts = int(record.simulator.get("contacts", 0))
-    truthful = verdict is not None and verdict.outcome.name.lower() == options.expected
+    truthful = verdict is not None and verdict.outcome.name.lower() in options.expected
     success = truthful and contacts == 0
     way = shortest_way(world)
     summary = {
         "success": success,
         "verdict": verdict.outcome.name.lower() if verdict else None,
-        "expected_verdict": options.expected,
+        "expected_verdict": " or ".join(options.expected),
         "message": verdict.message if verdict else problem,
         "perceptions": verdict.perceptions if verdict else len(record.log),
         "path_length_m": verdict.path_length if verdict else None,

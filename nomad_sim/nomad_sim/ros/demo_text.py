@@ -44,7 +44,7 @@ def print_end(
         print(f"no verdict: {problem}")
     else:
         print(
-            f"{verdict.outcome.name} (true: {options.expected}): {verdict.message}\n"
+            f"{verdict.outcome.name} (true: {' or '.join(options.expected)}): {verdict.message}\n"
             f"{counted(verdict.perceptions, 'perception')}, {verdict.path_length:.2f} m, "
             f"{verdict.duration:.1f} s simulated in {durations['mission']:.1f} s"
         )

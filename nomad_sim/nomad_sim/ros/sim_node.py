@@ -43,6 +43,7 @@ from fuzzy_map_building.ros.conversions import (
 )
 from fuzzy_map_building.ros.diagnostics import Diagnostics
 from fuzzy_map_building.ros.map_conversions import grid_to_msg
+from fuzzy_map_building.ros.rivals import Rivals
 from fuzzy_map_building.ros.run import spin_node
 from nomad_sim.fault_injection import FaultInjector
 from nomad_sim.ros.declarations import declare_simulation
@@ -96,7 +97,8 @@ class SimNode(Node):
         self._truth: NDArray[np.int8] | None = None
         self._truth_at = 0
 
-        self._diagnostics = Diagnostics(self, values=self._values, problem=self._problem)
+        alone = Rivals(self, (names.CLOCK, names.POSE))
+        self._diagnostics = Diagnostics(self, self._values, self._problem, alone)
         self._settings.on_refusal = self._diagnostics.reject
         self._sensors = SensorPublishers(self, values)
         self._truth_publisher = self.create_publisher(

@@ -39,7 +39,7 @@ def test_defaults_are_the_laboratory_of_experiment_1(tmp_path: Path) -> None:
     options = parse_options(["--output", str(tmp_path)])
     assert options.world.name == "lab"
     assert (options.seed, options.rate, options.lockstep) == (0, DEFAULT_RATE, True)
-    assert (options.expected, options.preset) == ("reached", "consistent")
+    assert (options.expected, options.preset) == (("reached",), "consistent")
 
 
 def test_options_are_taken_over(room: Path, tmp_path: Path) -> None:
@@ -54,12 +54,14 @@ def test_options_are_taken_over(room: Path, tmp_path: Path) -> None:
 
 def test_the_true_verdict_is_that_of_the_goal_asked_for(room: Path, tmp_path: Path) -> None:
     assert room.exists()
-    assert parse(tmp_path).expected == "reached"
-    assert parse(tmp_path, "--goal", 0.5, 0.5).expected == "reached"
-    assert parse(tmp_path, "--goal", 2.5, 1.0).expected == "unreachable"
+    assert parse(tmp_path).expected == ("reached",)
+    assert parse(tmp_path, "--goal", 0.5, 0.5).expected == ("reached",)
+    assert parse(tmp_path, "--goal", 2.5, 1.0).expected == ("unreachable",)
     # From within the cell it is the other way round.
-    assert parse(tmp_path, "--start", 2.5, 1.0, 0).expected == "unreachable"
-    assert parse(tmp_path, "--start", 2.5, 1.0, 0, "--goal", 2.5, 0.5).expected == "reached"
+    assert parse(tmp_path, "--start", 2.5, 1.0, 0).expected == ("unreachable",)
+    assert parse(tmp_path, "--start", 2.5, 1.0, 0, "--goal", 2.5, 0.5).expected == ("reached",)
+    # A corner where the body has 3 cm left as near as the goal's tolerance asks for.
+    assert parse(tmp_path, "--goal", 0.05, 0.05).expected == ("reached", "unreachable")
 
 
 @pytest.mark.parametrize(
