@@ -17,7 +17,7 @@ from fuzzy_map_building.frozen_state import FrozenState
 from fuzzy_map_building.grid import GridGeometry, Window
 from fuzzy_map_building.infrared_model import InfraredModel
 from fuzzy_map_building.infrared_packet import InfraredPacket
-from fuzzy_map_building.map_state import MapState
+from fuzzy_map_building.map_state import MAX_PERCEPTIONS, MapState
 from fuzzy_map_building.params import PAPER_PRESET, MapperParameters, mapper_parameters
 from fuzzy_map_building.sonar_guard import ray_limits
 from fuzzy_map_building.sonar_model import SonarModel
@@ -219,7 +219,7 @@ class FuzzyMapper:
         # "The number of perceptions that have involved cell C": those with evidence of it.
         spoken = (local.empty > 0.0) | (local.occupied > 0.0)
         window = local.window.slices
-        count = self._count[window] + spoken
+        count = np.minimum(self._count[window] + spoken, MAX_PERCEPTIONS)
         empty, occupied = self._rule.fuse(
             self._empty[window], self._occupied[window], count, local.empty, local.occupied
         )
@@ -234,7 +234,7 @@ class FuzzyMapper:
         if self._kept_risks is not None and risks is not None:
             for kept, risk in zip(self._kept_risks, risks, strict=True):
                 kept[window] = risk
-        self._perceptions += 1
+        self._perceptions = min(self._perceptions + 1, MAX_PERCEPTIONS)
 
     def state(self) -> MapState:
         """Return a copy of all that the mapper remembers."""

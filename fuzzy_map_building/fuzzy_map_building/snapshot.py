@@ -36,6 +36,7 @@ from fuzzy_map_building.map_state import MapState
 from fuzzy_map_building.mapper import FuzzyMapper
 from fuzzy_map_building.parameter_schema import flatten
 from fuzzy_map_building.params import MapperParameters
+from fuzzy_map_building.plain_yaml import shown
 
 __all__ = ["Snapshot", "rules_of"]
 
@@ -200,9 +201,13 @@ def _difference(theirs: Mapping[str, Any] | None, ours: Mapping[str, Any]) -> st
         return "does not tell with which parameters it was made: load_map takes such files"
     names = sorted(theirs.keys() | ours.keys())
     differing = [
-        f"{name} is {theirs.get(name, 'unknown')!r} there and {ours.get(name, 'unknown')!r} here"
+        f"{name} is {_value(theirs, name)} there and {_value(ours, name)} here"
         for name in names
         if name not in theirs or name not in ours or theirs[name] != ours[name]
     ]
     more = f" and {len(differing) - NAMED} more differ" if len(differing) > NAMED else ""
     return f"was made with other parameters: {', '.join(differing[:NAMED])}{more}"
+
+
+def _value(parameters: Mapping[str, Any], name: str) -> str:
+    return shown(parameters[name]) if name in parameters else "unknown"

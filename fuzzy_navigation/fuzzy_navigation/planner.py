@@ -343,8 +343,8 @@ def _no_path(request: PlanRequest, goal_blocked: bool) -> str:
             f"{alpha:g}: an obstacle stands there; choose another goal, or allow a larger "
             "tolerance or alpha"
         )
-    advice = "explore further" if alpha >= 1.0 else "explore further or allow a larger alpha"
+    advice = "" if alpha >= 1.0 else "; allow a larger alpha"
     return (
         f"no path from ({request.start[0]:.2f}, {request.start[1]:.2f}) m to the goal {goal}: "
-        f"cells that are not admissible at alpha {alpha:g} part them; {advice}"
+        f"cells that are not admissible at alpha {alpha:g} part them{advice}"
     )

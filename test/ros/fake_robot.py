@@ -84,8 +84,8 @@ class FakeRobot:
     ----------
     commands : list of float
         Turret angles that were commanded [rad].
-    turret_stuck, blind, lost : bool
-        Whether the turret does not obey, no ranges come, no poses come.
+    turret_stuck, blind, lost, unstamped : bool
+        Whether the turret does not obey, no ranges come, no poses come, ranges have no stamp.
     """
 
     def __init__(self, probe: Probe, pose: Pose2, measure: Callable[[int, float], float]) -> None:
@@ -93,7 +93,7 @@ class FakeRobot:
         self.measure = measure
         self.angle = 0.0
         self.commands: list[float] = []
-        self.turret_stuck = self.blind = self.lost = False
+        self.turret_stuck = self.blind = self.lost = self.unstamped = False
         self._probe = probe
         self._node = probe.node
         self._talker = Talker(probe)
@@ -123,5 +123,6 @@ class FakeRobot:
         self._talker.joint(joint_to_msg(stamp, self.angle))
         if self.blind:
             return
+        measured = Time() if self.unstamped else stamp
         for sensor in range(16):
-            self._talker.range(range_to_msg(sensor, stamp, self.measure(sensor, self.angle)))
+            self._talker.range(range_to_msg(sensor, measured, self.measure(sensor, self.angle)))

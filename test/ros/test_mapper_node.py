@@ -207,6 +207,7 @@ def test_only_one_perception_at_a_time_and_a_canceled_one_leaves_the_map(
         ("turret_stuck", "the turret did not reach"),
         ("blind", "no reading of any of the 16 sonars"),
         ("lost", "no reading of any of the 16 sonars"),
+        ("unstamped", "of one clock; refused: sonar range has no stamp"),
     ],
 )
 def test_a_perception_that_cannot_be_made_is_aborted_with_a_word(

@@ -25,12 +25,15 @@ from rclpy.task import Future
 from fuzzy_map_building.perception import PerceptionSequence
 from fuzzy_map_building.ros import names, qos
 from fuzzy_map_building.ros.clock import PatientTime, StallWatch, now_seconds
+from fuzzy_map_building.ros.diagnostics import Diagnostics
 from fuzzy_map_building.types import RangeReading
 
 __all__ = ["BuildMapServer", "FusedPacket"]
 
 #: Wall time that /clock may stand during a perception [s]: its timeouts are of that clock.
 STALL_LIMIT: Final = 10.0
+#: What a perception is made of.
+_SOURCES: Final = (names.SONAR, names.INFRARED, names.POSE, names.JOINT_STATES)
 
 
 @dataclass(frozen=True)
@@ -64,7 +67,7 @@ class _Goal:
     outcome: Future
     start: float
     patience: PatientTime
-    rejected_before: tuple[int, int]
+    rejected_before: dict[str, int]
     reported: int = -1
 
 
@@ -81,8 +84,8 @@ class BuildMapServer:
         Sends the turret to an angle [rad].
     fuse : callable
         Fuses a packet and publishes the maps.
-    rejected : callable
-        Returns how many sonar and how many infrared readings were refused so far.
+    diagnostics : Diagnostics
+        Counts what the node refuses.
     """
 
     def __init__(
@@ -91,13 +94,13 @@ class BuildMapServer:
         new_sequence: Callable[[], PerceptionSequence],
         command_turret: Callable[[float], None],
         fuse: Callable[[Sequence[RangeReading]], FusedPacket],
-        rejected: Callable[[], tuple[int, int]],
+        diagnostics: Diagnostics,
     ) -> None:
         self._node = node
         self._new_sequence = new_sequence
         self._command_turret = command_turret
         self._fuse = fuse
-        self._rejected = rejected
+        self._diagnostics = diagnostics
         self._clock = StallWatch(STALL_LIMIT)
         self._goal: _Goal | None = None
         self._outcomes: dict[bytes, Future] = {}
@@ -143,7 +146,7 @@ class BuildMapServer:
         if goal.sequence.done:
             self._complete(goal, now)
         elif goal.sequence.failed:
-            self.abort(goal.sequence.failed)
+            self.abort(f"{goal.sequence.failed}{self._refused_since(goal)}")
         elif self._clock.stalled(now):
             self.abort(
                 f"the clock has stood at {now:.3f} s for {self._clock.limit:g} s; "
@@ -158,6 +161,18 @@ class BuildMapServer:
         self.failure = reason
         self._node.get_logger().error(f"perception failed: {reason}")
         self._end(goal, goal.handle.abort, reason)
+
+    def _rejected(self) -> dict[str, int]:
+        return {source: self._diagnostics.total(source) for source in _SOURCES}
+
+    def _refused_since(self, goal: _Goal) -> str:
+        """Return what was refused while a perception went on, as the end of its sentence."""
+        reasons = [
+            self._diagnostics.latest(source)
+            for source, total in self._rejected().items()
+            if total > goal.rejected_before[source]
+        ]
+        return "".join(f"; refused: {reason}" for reason in reasons if reason)
 
     def _on_goal(self, _: BuildMap.Goal) -> GoalResponse:
         if self._goal is None:
@@ -213,10 +228,9 @@ class BuildMapServer:
         """End a perception, with the count of what was refused since it began."""
         result = BuildMap.Result() if result is None else result
         result.message = message
-        result.rejected, result.infrared_rejected = (
-            now - before
-            for now, before in zip(self._rejected(), goal.rejected_before, strict=True)
-        )
+        rejected, before = self._rejected(), goal.rejected_before
+        result.rejected = rejected[names.SONAR] - before[names.SONAR]
+        result.infrared_rejected = rejected[names.INFRARED] - before[names.INFRARED]
         self._goal = None
         transition()
         goal.outcome.set_result(result)

@@ -66,6 +66,7 @@ class Diagnostics:
         self._counts: Counter[str] = Counter()
         self._new = 0
         self._last = ""
+        self._latest: dict[str, str] = {}
         self._next_log: dict[str, float] = {}
         self._followed: dict[str, dict[str, int]] = {}
         self._publisher = node.create_publisher(DiagnosticArray, names.DIAGNOSTICS, qos.RELIABLE)
@@ -75,6 +76,10 @@ class Diagnostics:
         """Return how much of what came from `source` was refused so far."""
         start = source + "."
         return sum(n for key, n in self._counts.items() if key.startswith(start))
+
+    def latest(self, source: str) -> str:
+        """Return the sentence for what was refused last of what came from `source`; or empty."""
+        return self._latest.get(source, "")
 
     def reject(self, source: str, reason: str, message: str, count: int = 1) -> None:
         """Count refused input and log it, at most one line in `LOG_PERIOD` of each kind.
@@ -96,6 +101,7 @@ class Diagnostics:
         self._counts[key] += count
         self._new += count
         self._last = f"{source}: {message}"
+        self._latest[source] = message
         now = time.monotonic()
         if now >= self._next_log.get(key, 0.0):
             self._next_log[key] = now + LOG_PERIOD

@@ -87,10 +87,7 @@ class MapperNode(Node):
             new_sequence=lambda: PerceptionSequence(self._settings.values),
             command_turret=self._command_turret,
             fuse=self._fuse,
-            rejected=lambda: (
-                self._diagnostics.total(names.SONAR),
-                self._diagnostics.total(names.INFRARED),
-            ),
+            diagnostics=self._diagnostics,
         )
         self.create_subscription(PoseStamped, names.POSE, self._on_pose, qos.RELIABLE)
         self._sonar = self.create_subscription(Range, names.SONAR, self._on_sonar, qos.RANGES)

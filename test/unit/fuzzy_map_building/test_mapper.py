@@ -2,13 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """FuzzyMapper as its users meet it: what changes, what must not, what it costs."""
 
+import dataclasses
 import math
 
 import numpy as np
 import pytest
 
 from fuzzy_map_building.grid import GridGeometry, Window
-from fuzzy_map_building.map_state import MapState
+from fuzzy_map_building.map_state import MAX_PERCEPTIONS, MapState
 from fuzzy_map_building.mapper import FuzzyMapper
 from fuzzy_map_building.params import DEFAULT_PRESET, PAPER_PRESET, mapper_parameters
 from fuzzy_map_building.types import InfraredReading, Pose2, SonarReading
@@ -267,6 +268,18 @@ def test_state_is_a_copy_and_restores_exactly() -> None:
     other.update(perception(Pose2(4.0, 3.1), 1))
     assert_same(other, snapshot(mapper))
     assert (state.empty == then["empty"]).all()
+
+
+def test_what_can_be_counted_ends_and_the_state_stays_one() -> None:
+    mapper = FuzzyMapper(LAB)
+    report = mapper.update(perception(Pose2(3.8, 3.1)))
+    state = mapper.state()
+    full = np.where(state.count > 0, MAX_PERCEPTIONS, 0).astype(state.count.dtype)
+    mapper.restore(dataclasses.replace(state, count=full, perceptions=MAX_PERCEPTIONS))
+    assert mapper.update(perception(Pose2(3.8, 3.1))).accepted == report.accepted
+    after = mapper.state()  # which a file takes: it checks itself
+    assert after.perceptions == after.count.max() == MAX_PERCEPTIONS
+    assert (after.empty > state.empty).any()
 
 
 def test_risks_of_a_window_are_those_of_the_whole_maps() -> None:

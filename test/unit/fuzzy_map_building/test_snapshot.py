@@ -108,6 +108,7 @@ def test_where_there_is_none_nothing_is_restored(tmp_path: Path) -> None:
         (GEOMETRY, {"fusion.max_count": 7}, "/a", "fusion.max_count is 3 there and 7 here"),
         (GEOMETRY, {"sonar.bearings": (0.0,), "sonar.frame_ids": ("s",)}, "/a", "sonar.bearings"),
         (GEOMETRY, {}, "/b", "node is '/a' there and '/b' here"),
+        (GEOMETRY, {}, "/" + 60_000 * "b", r"node is '/a' there and '/b+\.\.\.b+' here"),
         (GridGeometry(90, 71, 0.1), {}, "/a", "the area and resolution of the saved map"),
         (GridGeometry(90, 70, 0.1, (0.1, 0.0)), {}, "/a", "area and resolution"),
     ],
