@@ -234,7 +234,7 @@ class FuzzyMapper:
         if self._kept_risks is not None and risks is not None:
             for kept, risk in zip(self._kept_risks, risks, strict=True):
                 kept[window] = risk
-        self._perceptions = min(self._perceptions + 1, MAX_PERCEPTIONS)
+        self._perceptions += self._perceptions < MAX_PERCEPTIONS
 
     def state(self) -> MapState:
         """Return a copy of all that the mapper remembers."""
