@@ -56,6 +56,7 @@ _MAX_ARRAY_HEADER = 1024
 _ARCHIVE_END = struct.Struct("<4s4H2LH")
 #: Largest directory of a map file [bytes]; four members need 216.
 _MAX_DIRECTORY = 4096
+_SPECIAL = "it is a folder, a device or a pipe; name a file"
 #: What stands before the end of an archive with 64-bit sizes, which no map file needs.
 _LOCATOR, _LOCATOR_SIZE = b"PK\x06\x07", 20
 
@@ -75,11 +76,13 @@ def atomic_write(path: Path) -> Iterator[IO[bytes]]:
     MapFileError
         If it cannot be written; what was at `path` before is then still there.
     """
-    target = Path(os.path.realpath(path))
-    if target.is_symlink():
-        raise MapFileError(f"cannot write '{path}': the symbolic link leads back to itself")
-    temporary = target.with_name(f"{_unfinished(target)}{secrets.token_hex(8)}.tmp")
     try:
+        target = Path(os.path.realpath(path))
+        if target.is_symlink():
+            raise MapFileError(f"cannot write '{path}': the symbolic link leads back to itself")
+        if _is_special(target):
+            raise MapFileError(f"cannot write '{path}': {_SPECIAL}")
+        temporary = target.with_name(f"{_unfinished(target)}{secrets.token_hex(8)}.tmp")
         try:
             with open(temporary, "xb") as file:
                 yield file
@@ -95,6 +98,11 @@ def atomic_write(path: Path) -> Iterator[IO[bytes]]:
             os.close(folder)
     except OSError as error:
         raise MapFileError(f"cannot write '{path}': {error.strerror or error}") from error
+
+
+def _is_special(path: Path) -> bool:
+    """Tell whether reading would wait or never end, and a file must not take the place."""
+    return path.exists() and not path.is_file()
 
 
 def remove_unfinished(path: str | Path) -> None:
@@ -214,6 +222,8 @@ def load_map_and_parameters(
     """
     path = _checked_path(path)
     try:
+        if _is_special(path):
+            raise MapFileError(_SPECIAL)
         with open(path, "rb") as file:
             _check_directory(file)
             with zipfile.ZipFile(file) as archive:

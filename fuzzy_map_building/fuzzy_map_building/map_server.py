@@ -163,7 +163,8 @@ def _checked(entries: Any) -> dict[str, Any]:
 
 
 def _number(key: str, value: Any) -> float:
-    if not isinstance(value, (int, float)) or not math.isfinite(value):
+    number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    if not number or not math.isfinite(value):
         raise MapFileError(
             f"{key} must be a finite number, got {shown(value)}{number_hint(value)}"
         )

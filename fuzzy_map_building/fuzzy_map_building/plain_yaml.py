@@ -30,7 +30,7 @@ class NotPlainError(ValueError):
 
 
 class PlainLoader(yaml.SafeLoader):
-    """PyYAML's safe loader, without aliases."""
+    """PyYAML's safe loader, without aliases and repeated keys, of which it takes the last."""
 
     def compose_node(self, parent: Any, index: Any) -> Any:
         """Compose a node, or raise NotPlainError for an alias."""
@@ -40,6 +40,20 @@ class PlainLoader(yaml.SafeLoader):
                 f"aliases (*{event.anchor[:100]}) are not allowed; write the value out"
             )
         return super().compose_node(parent, index)
+
+    def construct_mapping(self, node: Any, deep: bool = False) -> dict[Any, Any]:
+        """Return a mapping, or raise NotPlainError for a repeated key."""
+        seen: set[str] = set()
+        # What is no mapping the loader refuses itself.
+        for key, _ in node.value if isinstance(node, yaml.MappingNode) else ():
+            if not isinstance(key, yaml.ScalarNode):
+                continue
+            if key.value in seen:
+                raise NotPlainError(
+                    f"line {key.start_mark.line + 1}: {shown(key.value)} is repeated"
+                )
+            seen.add(key.value)
+        return super().construct_mapping(node, deep)
 
 
 def load_plain(text: str | bytes, loader: type[PlainLoader] = PlainLoader) -> Any:
@@ -55,8 +69,9 @@ def load_plain(text: str | bytes, loader: type[PlainLoader] = PlainLoader) -> An
     Raises
     ------
     ValueError
-        If it is no YAML, has an alias, is nested too deeply, or holds a number or a date that
-        cannot be. A class of ValueError that the loader raises comes through as it is.
+        If it is no YAML, has an alias or a key twice, is nested too deeply, or holds a value that
+        cannot be: a number, a date, or one that does not fit its tag. A class of ValueError that
+        the loader raises comes through as it is.
     """
     try:
         return yaml.load(text, Loader=loader)
@@ -64,6 +79,9 @@ def load_plain(text: str | bytes, loader: type[PlainLoader] = PlainLoader) -> An
         if type(error) is not ValueError:
             raise
         raise ValueError(f"a value that cannot be read: {error}") from error
+    except (AttributeError, LookupError, TypeError) as error:
+        # How the loader fails at a value that is not of the kind that its tag (!!bool) tells.
+        raise ValueError("a value that is not of the kind that its tag tells") from error
     except RecursionError as error:
         raise ValueError("it is nested too deeply") from error
     except OverflowError as error:

@@ -17,7 +17,7 @@ from fuzzy_navigation.clearance import InfraredRing, clearance_at, hit_points
 from fuzzy_navigation.echo_loss import WINDOW, EchoLoss
 from fuzzy_navigation.heard_echoes import HeardEchoes
 from fuzzy_navigation.hearing_watch import HearingWatch
-from fuzzy_navigation.hit_memory import HitMemory
+from fuzzy_navigation.hit_memory import RASTER, HitMemory
 from fuzzy_navigation.params import MotionParameters
 from fuzzy_navigation.ring_watch import RingWatch
 
@@ -34,6 +34,8 @@ UNSTEADY = 3
 
 #: Sensors that are named one by one; of more the others are counted.
 NAMED = 4
+
+_NOTHING: Points = np.empty((0, 2))
 
 _Phase = Enum("_Phase", ["IDLE", "STANDING", "MOVING"])
 
@@ -53,6 +55,7 @@ class Surroundings:
         self._memory = HitMemory(parameters.infrared)
         self._echoes: dict[int, SonarReading] = {}
         self._heard = HeardEchoes(parameters.sonar.mount_radius)
+        self._before, self._place = _NOTHING, Pose2(0.0, 0.0)
         self._phase = _Phase.IDLE
         near, far = parameters.infrared, parameters.sonar
         self._hearing = HearingWatch(far)
@@ -86,6 +89,7 @@ class Surroundings:
         self._memory.forget()
         self._echoes.clear()
         self._heard.forget()
+        self._before = _NOTHING
         self._hearing.clear()
         self._loss.clear()
         for watch in self._both:
@@ -117,6 +121,7 @@ class Surroundings:
             If an infrared's sensor is not one of the ring's; then nothing is taken.
         """
         self._ring.update(infrared)
+        self._place = pose
         for watch, readings in zip(self._watches, (infrared, sonar), strict=False):
             watch.update(readings)
         layer, guard = self._p.layer, self._p.sonar_guard
@@ -145,12 +150,25 @@ class Surroundings:
         place : Pose2, optional
             What the infrareds cannot see from here is kept, until `forget_kept`.
         """
+        self._remember_before()
         if place is None:
             self._memory.forget()
         else:
             near = self._p.infrared
             self._memory.forget_near(place, near.mount_radius + near.max_range)
         self._phase = _Phase.STANDING
+
+    def _remember_before(self) -> None:
+        """Keep what was measured near here, for an echo now may come from there.
+
+        It is no hit any more: who stood there may have gone. But a robot that looks again from
+        beside the end of a thin wall, which its infrareds then miss, would take the wall to have
+        come up to its body.
+        """
+        before = np.vstack([self._before, self._memory.measured])
+        near = np.hypot(before[:, 0] - self._place.x, before[:, 1] - self._place.y) <= NEAR
+        cells = np.round(before[near] / RASTER).astype(np.int64)
+        self._before = before[near][np.unique(cells, axis=0, return_index=True)[1]]
 
     def forget_kept(self) -> bool:
         """Forget what the last perception could not see; return whether there was anything."""
@@ -313,7 +331,7 @@ class Surroundings:
         p = self._p
         if all(echo.range > -math.inf for echo in sonar):
             return np.empty((0, 2))
-        known = np.vstack([seen, self._memory.measured])
+        known = np.vstack([seen, self._memory.measured, self._before])
         return rim_points(sonar, known, p.sonar, p.sonar_guard, p.robot_radius)
 
     def _unseen(self, sonar: Sequence[SonarReading], seen: Points, reach: float) -> Points:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -144,6 +145,13 @@ def test_what_is_no_parameter_file(
 ) -> None:
     with pytest.raises(ValueError, match=message):
         section_parameters(write(content))
+
+
+def test_nobody_waits_at_a_pipe_for_parameters(tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe.yaml"
+    os.mkfifo(pipe)
+    with pytest.raises(ValueError, match=r"pipe\.yaml: a pipe is no parameter file"):
+        addressed("--params-file", str(pipe))
 
 
 def test_a_node_refuses_a_file_with_a_misspelt_node(

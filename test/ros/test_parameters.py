@@ -240,6 +240,7 @@ def test_limits_that_only_hold_together_are_changed_together_or_not_at_all(
         ({"evidence.k_emtpy": 0.2}, "unknown parameter 'evidence.k_emtpy'; did you mean"),
         ({"use_simtime": True}, "unknown parameter 'use_simtime'; did you mean 'use_sim_time'?"),
         ({"presett": "oriolo1998"}, "unknown parameter 'presett'; did you mean 'preset'?"),
+        ({"use_sim_time": 1.5}, "set parameter 'use_sim_time' to '1.5' of type 'DOUBLE'"),
         ({"preset": "oriolo"}, "did you mean 'oriolo1998'?"),
         ({"evidence.k_empty": "abc"}, "must be a number, got 'abc'"),
         ({"sonar.min_range": 7.0}, "must be less than"),

@@ -18,9 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-import yaml
-
-from fuzzy_map_building.plain_yaml import NotPlainError, PlainLoader, load_plain, shown
+from fuzzy_map_building.plain_yaml import load_plain, shown
 from fuzzy_map_building.ros import names
 
 __all__ = ["Addressed", "section_parameters"]
@@ -31,24 +29,6 @@ MAX_FILE_SIZE: Final = 1_000_000
 _ALIKE: Final = 0.75
 _KEY: Final = "ros__parameters"
 _KNOWN: Final = (names.MAPPER_NODE, names.PLANNER_NODE, names.MOTION_NODE, names.SIMULATOR_NODE)
-
-
-class _Loader(PlainLoader):
-    """YAML in which no key is written twice: rcl takes the last one without a word."""
-
-    def construct_mapping(self, node: Any, deep: bool = False) -> dict[Any, Any]:
-        """Return a mapping, or raise NotPlainError for a repeated key."""
-        seen: set[str] = set()
-        # What is no mapping the loader refuses itself.
-        for key, _ in node.value if isinstance(node, yaml.MappingNode) else ():
-            if not isinstance(key, yaml.ScalarNode):
-                continue
-            if key.value in seen:
-                raise NotPlainError(
-                    f"line {key.start_mark.line + 1}: {shown(key.value)} is repeated"
-                )
-            seen.add(key.value)
-        return super().construct_mapping(node, deep)
 
 
 def section_parameters(path: str | Path) -> dict[str, frozenset[str]]:
@@ -66,11 +46,13 @@ def section_parameters(path: str | Path) -> dict[str, frozenset[str]]:
         If it cannot be read, is no YAML, or is no mapping of node names to parameters.
     """
     try:
+        if Path(path).is_fifo():  # to open it would wait for somebody at its other end
+            raise ValueError("a pipe is no parameter file")
         with Path(path).open("rb") as file:
             text = file.read(MAX_FILE_SIZE + 1)
         if len(text) > MAX_FILE_SIZE:
             raise ValueError(f"longer than {MAX_FILE_SIZE} bytes is no parameter file")
-        content: Any = load_plain(text, _Loader)
+        content: Any = load_plain(text)
         if content is None:
             return {}
         if not isinstance(content, dict):

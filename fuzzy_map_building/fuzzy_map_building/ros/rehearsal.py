@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 from typing import TypeVar
 
 from rclpy.context import Context
+from rclpy.exceptions import InvalidParameterTypeException
 from rclpy.node import Node
 
 from fuzzy_map_building.parameter_schema import ParameterError
@@ -62,11 +63,11 @@ def check_parameters(
         node = Node(name, context=context, enable_rosout=False, start_parameter_services=False)
         try:
             return declare(node)
-        except ParameterError as error:
-            raise ValueError(
-                f"{name}: cannot start: {error}{addressed.origin(str(error), name)}"
-            ) from error
         finally:
             node.destroy_node()
+    except (ParameterError, InvalidParameterTypeException) as error:
+        raise ValueError(
+            f"{name}: cannot start: {error}{addressed.origin(str(error), name)}"
+        ) from error
     finally:
         context.try_shutdown()

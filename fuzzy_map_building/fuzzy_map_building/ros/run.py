@@ -27,6 +27,7 @@ from typing import Final
 
 import rclpy
 from rclpy.context import Context
+from rclpy.exceptions import InvalidParameterTypeException
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
@@ -181,7 +182,7 @@ def _start(factory: Callable[[], Node], argv: list[str], called: str) -> Node:
         raise _refused(error) from error
     try:
         node = factory()
-    except ParameterError as error:
+    except (ParameterError, InvalidParameterTypeException) as error:  # the latter: use_sim_time
         raise ParameterError(f"{error}{addressed.origin(str(error), called)}") from error
     for problem in addressed.unheard(node.get_name()):
         node.get_logger().warning(problem)

@@ -115,7 +115,7 @@ def test_what_is_no_map_file(tmp_path: Path) -> None:
             load_map(tmp_path / name)
     with pytest.raises(MapFileError, match="No such file"):
         load_map(tmp_path / "nothing")
-    with pytest.raises(MapFileError, match="directory"):
+    with pytest.raises(MapFileError, match="it is a folder"):
         load_map(tmp_path)
     with pytest.raises(MapFileError, match="no file name"):
         load_map("")
@@ -330,6 +330,19 @@ def test_only_the_compression_that_is_written_is_read(tmp_path: Path, method: in
             other.writestr(name, archive.read(name))
     with pytest.raises(MapFileError, match="compressed"):
         load_map(tmp_path / "b.map")
+
+
+def test_what_is_no_ordinary_file_is_neither_read_nor_replaced(tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)  # to open it would wait for somebody at its other end
+    for path in (pipe, Path(os.devnull)):
+        before = path.stat().st_mode
+        for do in (lambda file: save_map(file, make_state()), load_map):
+            with pytest.raises(MapFileError, match=r"cannot \w+ .*: it is a folder, a device"):
+                do(path)
+        assert path.stat().st_mode == before
+    with pytest.raises(MapFileError, match="File name too long"):
+        save_map(tmp_path / ("x" * 300), make_state())
 
 
 def test_a_number_of_perceptions_that_no_counter_holds_is_refused() -> None:

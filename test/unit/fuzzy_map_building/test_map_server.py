@@ -96,6 +96,7 @@ def test_raw_values(tmp_path: Path) -> None:
         ({"origin": ...}, "missing: origin"),
         ({"resolution": 0.0}, "resolution must be from"),
         ({"resolution": "fine"}, "resolution must be a finite number, got 'fine'$"),
+        ({"resolution": True}, "resolution must be a finite number, got True"),
         ({"resolution": "5.0e2"}, "got '5.0e2', which is a text to YAML; write 500.0 without"),
         ({"resolution": "1e-7"}, "which is a text to YAML; write 1.0e-07 without quotes"),
         ({"resolution": "1e999"}, "got '1e999'$"),
@@ -112,6 +113,13 @@ def test_raw_values(tmp_path: Path) -> None:
 def test_wrong_entries_are_named(tmp_path: Path, changes: dict, message: str) -> None:
     with pytest.raises(MapFileError, match=message):
         import_map_server(write(tmp_path, **changes))
+
+
+def test_an_entry_that_is_there_twice_is_refused(tmp_path: Path) -> None:
+    path = write(tmp_path)
+    path.write_text(path.read_text() + "negate: 1\n")
+    with pytest.raises(MapFileError, match=r"cannot import.*'negate' is repeated"):
+        import_map_server(path)
 
 
 @pytest.mark.parametrize(

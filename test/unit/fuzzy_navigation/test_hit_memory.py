@@ -192,6 +192,34 @@ class TestSurroundings:
         assert as_set(here.near(2.0, pose, 1)) == set()
         assert as_set(here.near(2.0, pose, 2)) == rim
 
+    def test_what_was_measured_here_before_explains_an_echo_too_close_to_measure(self) -> None:
+        """As beside the end of a thin wall, which no ray hits from where the robot looks anew."""
+        here = around(**LAYER, **GUARD)
+        here.begin_perception()
+        here.update(1.0, Pose2(1.0, 2.0), ring(1.0, 1.0), [])
+        here.end_perception()
+        here.update(2.0, Pose2(1.15, 2.0), ring(1.15, 2.0, s4=0.11), [])
+        assert as_set(here.remembered) == {(1.15, 2.34)}
+        for time in (3.0, 5.0):
+            here.begin_perception()
+            here.update(time, Pose2(1.15, 2.0), ring(1.15, time), [])
+            here.end_perception()
+            beside = [echo(-math.inf, 4, x=1.15)]
+            here.update(time + 1.0, Pose2(1.15, 2.0), ring(1.15, time + 1.0), beside)
+            assert as_set(here.known(time + 1.0)) == set()
+        # It explains nothing that lies elsewhere, and is no hit itself.
+        other = [echo(-math.inf, 12, x=1.15)]
+        here.update(7.0, Pose2(1.15, 2.0), ring(1.15, 7.0), other)
+        assert len(here.known(7.0)) == 3
+        # The robot has been away, and who knows what stands there now.
+        for time, x in ((8.0, 1.8), (9.0, 1.15)):
+            here.update(time, Pose2(x, 2.0), ring(x, time), [])
+            here.begin_perception()
+            here.update(time, Pose2(x, 2.0), ring(x, time), [])
+            here.end_perception()
+        here.update(10.0, Pose2(1.15, 2.0), ring(1.15, 10.0), [echo(-math.inf, 4, x=1.15)])
+        assert len(here.known(10.0)) == 3
+
     def test_at_rest_nothing_is_remembered(self) -> None:
         here = around(**LAYER, **GUARD)
         here.begin_perception()
