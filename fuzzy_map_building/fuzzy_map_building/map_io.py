@@ -56,7 +56,7 @@ _MAX_ARRAY_HEADER = 1024
 _ARCHIVE_END = struct.Struct("<4s4H2LH")
 #: Largest directory of a map file [bytes]; four members need 216.
 _MAX_DIRECTORY = 4096
-_SPECIAL = "it is a folder, a device or a pipe; name a file"
+_SPECIAL = "it is a folder, a device or a pipe"
 #: What stands before the end of an archive with 64-bit sizes, which no map file needs.
 _LOCATOR, _LOCATOR_SIZE = b"PK\x06\x07", 20
 

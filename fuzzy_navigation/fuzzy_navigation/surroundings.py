@@ -11,7 +11,7 @@ from enum import Enum
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzy_map_building.sonar_guard import guard_points, rim_points
+from fuzzy_map_building.sonar_guard import TOUCH_SLACK, guard_points, rim_points
 from fuzzy_map_building.types import InfraredReading, Pose2, SonarReading
 from fuzzy_navigation.clearance import InfraredRing, clearance_at, hit_points
 from fuzzy_navigation.echo_loss import WINDOW, EchoLoss
@@ -159,12 +159,7 @@ class Surroundings:
         self._phase = _Phase.STANDING
 
     def _remember_before(self) -> None:
-        """Keep what was measured near here, for an echo now may come from there.
-
-        It is no hit any more: who stood there may have gone. But a robot that looks again from
-        beside the end of a thin wall, which its infrareds then miss, would take the wall to have
-        come up to its body.
-        """
+        """Keep what was measured near here; it is no hit any more, for it may have gone."""
         before = np.vstack([self._before, self._memory.measured])
         near = np.hypot(before[:, 0] - self._place.x, before[:, 1] - self._place.y) <= NEAR
         cells = np.round(before[near] / RASTER).astype(np.int64)
@@ -181,6 +176,7 @@ class Surroundings:
         self._heard.forget()
         memory, guard = self._memory, self._p.sonar_guard
         if guard.enabled:
+            memory.add(self._confirmed(memory.sonar))
             far = [echo for echo in memory.sonar if echo.range > -math.inf]
             memory.add(self._unseen(far, memory.standing, guard.perception_reach))
             memory.add(
@@ -327,11 +323,31 @@ class Surroundings:
         known = np.vstack([seen, self._memory.measured])
         return guard_points([*due, *longer], known, p.sonar, guard, guard.perception_reach, radius)
 
+    def _confirmed(self, sonar: Sequence[SonarReading]) -> Points:
+        """Return what was measured here before where echoes tell that something is as close.
+
+        A robot that looks again from beside the end of a thin wall, which its infrareds miss from
+        there, would take the wall to touch its body by now.
+        """
+        p = self._p
+        reach = p.sonar.mount_radius + p.sonar.min_range + TOUCH_SLACK
+        there = np.zeros(len(self._before), dtype=np.bool_)
+        for echo in sonar:
+            if echo.range == -math.inf:
+                away = self._before - (echo.pose.x, echo.pose.y)
+                axis = echo.pose.theta + echo.bearing
+                along = away[:, 0] * math.cos(axis) + away[:, 1] * math.sin(axis)
+                distance = np.hypot(away[:, 0], away[:, 1])
+                beside = along >= math.cos(p.sonar_guard.angle) * distance
+                there |= beside & (distance <= reach)
+        return self._before[there]
+
     def _touching(self, sonar: Sequence[SonarReading], seen: Points) -> Points:
         p = self._p
         if all(echo.range > -math.inf for echo in sonar):
             return np.empty((0, 2))
-        known = np.vstack([seen, self._memory.measured, self._before])
+        self._memory.add(self._confirmed(sonar))
+        known = np.vstack([seen, self._memory.measured])
         return rim_points(sonar, known, p.sonar, p.sonar_guard, p.robot_radius)
 
     def _unseen(self, sonar: Sequence[SonarReading], seen: Points, reach: float) -> Points:

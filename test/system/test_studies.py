@@ -98,7 +98,9 @@ def test_a_study_tells_what_it_cannot_write(
     told = capsys.readouterr()
     assert VERDICT.findall(told.out) == [("holds", "eyes", "it has as many eyes (2)")]
     assert "written to" not in told.out
-    assert told.err.startswith(f"sample: cannot write '{tmp_path}/sample.md': Is a directory")
+    assert told.err.startswith(
+        f"sample: cannot write '{tmp_path}/sample.md': it is a folder, a device or a pipe"
+    )
 
 
 @pytest.mark.parametrize(

@@ -335,7 +335,8 @@ def test_only_the_compression_that_is_written_is_read(tmp_path: Path, method: in
 def test_what_is_no_ordinary_file_is_neither_read_nor_replaced(tmp_path: Path) -> None:
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)  # to open it would wait for somebody at its other end
-    for path in (pipe, Path(os.devnull)):
+    (tmp_path / "folder").mkdir()
+    for path in (pipe, tmp_path / "folder"):
         before = path.stat().st_mode
         for do in (lambda file: save_map(file, make_state()), load_map):
             with pytest.raises(MapFileError, match=r"cannot \w+ .*: it is a folder, a device"):

@@ -206,11 +206,12 @@ class TestSurroundings:
             here.end_perception()
             beside = [echo(-math.inf, 4, x=1.15)]
             here.update(time + 1.0, Pose2(1.15, 2.0), ring(1.15, time + 1.0), beside)
-            assert as_set(here.known(time + 1.0)) == set()
-        # It explains nothing that lies elsewhere, and is no hit itself.
+            # The echo tells that it is still there, and not that it touches the body.
+            assert as_set(here.known(time + 1.0)) == {(1.15, 2.34)}
+        # Not so of what lies elsewhere.
         other = [echo(-math.inf, 12, x=1.15)]
         here.update(7.0, Pose2(1.15, 2.0), ring(1.15, 7.0), other)
-        assert len(here.known(7.0)) == 3
+        assert len(here.known(7.0)) == 4
         # The robot has been away, and who knows what stands there now.
         for time, x in ((8.0, 1.8), (9.0, 1.15)):
             here.update(time, Pose2(x, 2.0), ring(x, time), [])

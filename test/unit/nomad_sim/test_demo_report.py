@@ -131,7 +131,9 @@ def test_a_verdict_is_told_before_it_is_written(
     told = capsys.readouterr()
     assert "REACHED (true: reached): there" in told.out
     assert "figures and summary" not in told.out
-    assert told.err.startswith(f"demo: cannot write '{options.output}/{file}': Is a directory; ")
+    assert told.err.startswith(
+        f"demo: cannot write '{options.output}/{file}': it is a folder, a device or a pipe; "
+    )
     assert told.err.count("\n") == 1
     if file != "summary.json":
         summary = json.loads((options.output / "summary.json").read_text())

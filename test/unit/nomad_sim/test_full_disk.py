@@ -26,6 +26,7 @@ from nomad_sim.trials import Rules, Trial, TrialResult, run_trial
 from nomad_sim.world_io import load_world
 
 CAPPED = ["--set", "motion.perception_cap=1", "--jobs", "1"]
+FOLDER = "it is a folder, a device or a pipe"
 AGAIN = "see to that and run the same command again"
 
 
@@ -124,7 +125,7 @@ def test_a_report_is_told_before_it_is_written(
     else:
         assert "most that 'perception_cap' allows" in told.out
     assert told.err.splitlines()[-1] == (
-        f"campaign: cannot write '{tmp_path}/missions.csv': Is a directory; {AGAIN}"
+        f"campaign: cannot write '{tmp_path}/missions.csv': {FOLDER}; {AGAIN}"
     )
     assert not list(tmp_path.glob(".*"))
     (tmp_path / "missions.csv").rmdir()
@@ -164,5 +165,5 @@ def test_a_replay_tells_its_verdict_before_it_writes(
     assert main([*arguments, "--figures", "every"]) == 2
     told = capsys.readouterr()
     assert "REACHED" in told.out
-    assert told.err == f"campaign: cannot write '{folder}/{file}': Is a directory; {AGAIN}\n"
+    assert told.err == f"campaign: cannot write '{folder}/{file}': {FOLDER}; {AGAIN}\n"
     assert (folder / "mission.json").is_file() == (file != "mission.json")

@@ -112,7 +112,7 @@ def test_it_is_written_as_png_and_replaces_an_older_one(tmp_path: Path) -> None:
     assert file.read_bytes().startswith(b"\x89PNG")
 
 
-def test_global_state_stays_as_it_was() -> None:
+def test_global_state_stays_as_it_was(tmp_path: Path) -> None:
     """In a process of its own: others may have imported pyplot."""
     source = """
 import sys
@@ -126,9 +126,8 @@ save_figure(draw_panels([[Panel(g, np.zeros((2, 3)))]]), sys.argv[1])
 assert before == (dict(matplotlib.rcParams), matplotlib.rcParams._get_backend_or_none())
 assert "matplotlib.pyplot" not in sys.modules
 """
-    done = subprocess.run(
-        [sys.executable, "-c", source, "/dev/null"], capture_output=True, text=True, timeout=60
-    )
+    command = [sys.executable, "-c", source, str(tmp_path / "a.png")]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, done.stderr
 
 
