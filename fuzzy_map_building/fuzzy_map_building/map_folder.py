@@ -12,6 +12,8 @@ import os
 import reprlib
 from pathlib import Path
 
+from fuzzy_map_building.map_io import is_special
+
 __all__ = ["MapFolder", "MapNameError"]
 
 #: Longest name of a file with its folders, and of each of these [bytes of UTF-8]; file systems
@@ -112,7 +114,7 @@ class MapFolder:
             self._assert_inside(name, file)
         if file.is_symlink():
             raise MapNameError(f"{name!r} is a symbolic link that leads back to itself")
-        if file.exists() and not file.is_file():
+        if is_special(file):
             raise MapNameError(f"{name!r} is a folder, a device or a pipe; name a file")
         return file
 

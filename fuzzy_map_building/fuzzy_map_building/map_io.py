@@ -37,6 +37,7 @@ from fuzzy_map_building.plain_yaml import shown
 __all__ = [
     "MapFileError",
     "atomic_write",
+    "is_special",
     "load_map",
     "load_map_and_parameters",
     "remove_unfinished",
@@ -80,7 +81,7 @@ def atomic_write(path: Path) -> Iterator[IO[bytes]]:
         target = Path(os.path.realpath(path))
         if target.is_symlink():
             raise MapFileError(f"cannot write '{path}': the symbolic link leads back to itself")
-        if _is_special(target):
+        if is_special(target):
             raise MapFileError(f"cannot write '{path}': {_SPECIAL}")
         temporary = target.with_name(f"{_unfinished(target)}{secrets.token_hex(8)}.tmp")
         try:
@@ -100,8 +101,11 @@ def atomic_write(path: Path) -> Iterator[IO[bytes]]:
         raise MapFileError(f"cannot write '{path}': {error.strerror or error}") from error
 
 
-def _is_special(path: Path) -> bool:
-    """Tell whether reading would wait or never end, and a file must not take the place."""
+def is_special(path: Path) -> bool:
+    """Whether a path is a folder, a device or a pipe.
+
+    To read from it may wait for ever or never end, and no file must take its place.
+    """
     return path.exists() and not path.is_file()
 
 
@@ -222,7 +226,7 @@ def load_map_and_parameters(
     """
     path = _checked_path(path)
     try:
-        if _is_special(path):
+        if is_special(path):
             raise MapFileError(_SPECIAL)
         with open(path, "rb") as file:
             _check_directory(file)

@@ -19,7 +19,7 @@ import yaml
 from numpy.typing import NDArray
 
 from fuzzy_map_building.grid import MAX_CELLS, GridGeometry
-from fuzzy_map_building.map_io import MapFileError, atomic_write
+from fuzzy_map_building.map_io import MapFileError, atomic_write, is_special
 from fuzzy_map_building.parameter_schema import suggest
 from fuzzy_map_building.plain_yaml import load_plain, number_hint, shown
 
@@ -173,7 +173,7 @@ def _number(key: str, value: Any) -> float:
 
 def _read_pgm(path: Path) -> NDArray[np.uint8]:
     """Return the grey values of a binary PGM file, top row first."""
-    if path.exists() and not path.is_file():
+    if is_special(path):
         raise MapFileError(f"'{path}' is a folder, a device or a pipe; an image is a file")
     with path.open("rb") as file:
         # Magic, width, height, maximum: words between blanks, comments from # to the line's end.

@@ -33,6 +33,7 @@ __all__ = [
     "markdown_table",
     "parameter",
     "suggest",
+    "unknown_parameter",
     "validate",
 ]
 
@@ -133,6 +134,11 @@ def suggest(name: str, known: typing.Iterable[str], *, told: bool = False) -> st
     if len(names) > _MOST_NAMES:
         return f"; none of the {len(names)} known names is like it"
     return f"; known names: {', '.join(names)}"
+
+
+def unknown_parameter(name: str, known: typing.Iterable[str]) -> str:
+    """Return the sentence that refuses a name which no parameter has."""
+    return f"unknown parameter {shown(name)}{suggest(name, known)}"
 
 
 def kind_of(info: ParameterInfo) -> str:
@@ -262,7 +268,7 @@ def from_mapping(base: T, values: Mapping[str, Any]) -> T:
     known = describe(type(base))
     for name in flat:
         if name not in known:
-            raise ParameterError(f"unknown parameter {shown(name)}{suggest(name, known)}")
+            raise ParameterError(unknown_parameter(name, known))
     for name, value in flat.items():
         flat[name] = checked_value(known[name], value)
     changed: T = _replace(base, flat)

@@ -11,13 +11,14 @@ from enum import Enum
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzy_map_building.sonar_guard import TOUCH_SLACK, guard_points, rim_points
+from fuzzy_map_building.sonar_guard import guard_points, rim_points
 from fuzzy_map_building.types import InfraredReading, Pose2, SonarReading
 from fuzzy_navigation.clearance import InfraredRing, clearance_at, hit_points
+from fuzzy_navigation.earlier_hits import EarlierHits
 from fuzzy_navigation.echo_loss import WINDOW, EchoLoss
 from fuzzy_navigation.heard_echoes import HeardEchoes
 from fuzzy_navigation.hearing_watch import HearingWatch
-from fuzzy_navigation.hit_memory import RASTER, HitMemory
+from fuzzy_navigation.hit_memory import HitMemory
 from fuzzy_navigation.params import MotionParameters
 from fuzzy_navigation.ring_watch import RingWatch
 
@@ -34,8 +35,6 @@ UNSTEADY = 3
 
 #: Sensors that are named one by one; of more the others are counted.
 NAMED = 4
-
-_NOTHING: Points = np.empty((0, 2))
 
 _Phase = Enum("_Phase", ["IDLE", "STANDING", "MOVING"])
 
@@ -55,7 +54,7 @@ class Surroundings:
         self._memory = HitMemory(parameters.infrared)
         self._echoes: dict[int, SonarReading] = {}
         self._heard = HeardEchoes(parameters.sonar.mount_radius)
-        self._before, self._place = _NOTHING, Pose2(0.0, 0.0)
+        self._earlier, self._place = EarlierHits(), Pose2(0.0, 0.0)
         self._phase = _Phase.IDLE
         near, far = parameters.infrared, parameters.sonar
         self._hearing = HearingWatch(far)
@@ -89,7 +88,7 @@ class Surroundings:
         self._memory.forget()
         self._echoes.clear()
         self._heard.forget()
-        self._before = _NOTHING
+        self._earlier.forget()
         self._hearing.clear()
         self._loss.clear()
         for watch in self._both:
@@ -150,20 +149,13 @@ class Surroundings:
         place : Pose2, optional
             What the infrareds cannot see from here is kept, until `forget_kept`.
         """
-        self._remember_before()
+        self._earlier.keep(self._memory.measured, self._place)
         if place is None:
             self._memory.forget()
         else:
             near = self._p.infrared
             self._memory.forget_near(place, near.mount_radius + near.max_range)
         self._phase = _Phase.STANDING
-
-    def _remember_before(self) -> None:
-        """Keep what was measured near here; it is no hit any more, for it may have gone."""
-        before = np.vstack([self._before, self._memory.measured])
-        near = np.hypot(before[:, 0] - self._place.x, before[:, 1] - self._place.y) <= NEAR
-        cells = np.round(before[near] / RASTER).astype(np.int64)
-        self._before = before[near][np.unique(cells, axis=0, return_index=True)[1]]
 
     def forget_kept(self) -> bool:
         """Forget what the last perception could not see; return whether there was anything."""
@@ -176,7 +168,7 @@ class Surroundings:
         self._heard.forget()
         memory, guard = self._memory, self._p.sonar_guard
         if guard.enabled:
-            memory.add(self._confirmed(memory.sonar))
+            memory.add(self._earlier.confirmed(memory.sonar, self._p.sonar, guard.angle))
             far = [echo for echo in memory.sonar if echo.range > -math.inf]
             memory.add(self._unseen(far, memory.standing, guard.perception_reach))
             memory.add(
@@ -323,30 +315,11 @@ class Surroundings:
         known = np.vstack([seen, self._memory.measured])
         return guard_points([*due, *longer], known, p.sonar, guard, guard.perception_reach, radius)
 
-    def _confirmed(self, sonar: Sequence[SonarReading]) -> Points:
-        """Return what was measured here before where echoes tell that something is as close.
-
-        A robot that looks again from beside the end of a thin wall, which its infrareds miss from
-        there, would take the wall to touch its body by now.
-        """
-        p = self._p
-        reach = p.sonar.mount_radius + p.sonar.min_range + TOUCH_SLACK
-        there = np.zeros(len(self._before), dtype=np.bool_)
-        for echo in sonar:
-            if echo.range == -math.inf:
-                away = self._before - (echo.pose.x, echo.pose.y)
-                axis = echo.pose.theta + echo.bearing
-                along = away[:, 0] * math.cos(axis) + away[:, 1] * math.sin(axis)
-                distance = np.hypot(away[:, 0], away[:, 1])
-                beside = along >= math.cos(p.sonar_guard.angle) * distance
-                there |= beside & (distance <= reach)
-        return self._before[there]
-
     def _touching(self, sonar: Sequence[SonarReading], seen: Points) -> Points:
         p = self._p
         if all(echo.range > -math.inf for echo in sonar):
             return np.empty((0, 2))
-        self._memory.add(self._confirmed(sonar))
+        self._memory.add(self._earlier.confirmed(sonar, p.sonar, p.sonar_guard.angle))
         known = np.vstack([seen, self._memory.measured])
         return rim_points(sonar, known, p.sonar, p.sonar_guard, p.robot_radius)
 

@@ -16,6 +16,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
+from fuzzy_map_building.map_io import is_special
 from nomad_sim.json_fields import parse_json
 from nomad_sim.trials import TrialResult
 
@@ -56,7 +57,7 @@ class TrialFile:
 
     def __init__(self, path: Path, configuration: dict[str, Any]) -> None:
         # A pipe would wait for whoever writes to it, and a device may give without end.
-        if path.exists() and not path.is_file():
+        if is_special(path):
             raise ValueError(
                 f"{path} is a folder, a device or a pipe; remove it or use another --output"
             )

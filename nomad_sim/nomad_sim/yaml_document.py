@@ -42,19 +42,12 @@ class WorldError(ValueError):
 
 
 class Loader(PlainLoader):
-    """YAML without what a world does not need: aliases, merged and repeated keys."""
+    """YAML without what a world does not need: merged keys, and keys that are no texts."""
 
     def construct_mapping(self, node: Any, deep: bool = False) -> dict[Hashable, Any]:
-        keys: set[Any] = set()
-        for key_node, _ in node.value:
-            key = self.construct_object(key_node, deep=True)
-            if not isinstance(key, str):
-                raise WorldError(f"line {key_node.start_mark.line + 1}: a key must be a text")
-            if key in keys:
-                raise WorldError(
-                    f"line {key_node.start_mark.line + 1}: key '{key[:100]}' is repeated"
-                )
-            keys.add(key)
+        for key, _ in node.value:
+            if not isinstance(self.construct_object(key, deep=True), str):
+                raise WorldError(f"line {key.start_mark.line + 1}: a key must be a text")
         return super().construct_mapping(node, deep)
 
     def construct_number(self, node: Any) -> float:

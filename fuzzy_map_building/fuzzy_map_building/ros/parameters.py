@@ -43,6 +43,7 @@ from fuzzy_map_building.parameter_schema import (
     from_mapping,
     kind_of,
     suggest,
+    unknown_parameter,
 )
 from fuzzy_map_building.plain_yaml import shown
 
@@ -127,9 +128,7 @@ class NodeParameters(Generic[T]):
         """
         info = self._infos.get(parameter.name)
         if info is None:
-            return (
-                f"unknown parameter {shown(parameter.name)}{suggest(parameter.name, self._infos)}"
-            )
+            return unknown_parameter(parameter.name, self._infos)
         if info.read_only:
             return _only_at_the_start(parameter.name)
         converted = self._converted(parameter)
@@ -220,8 +219,8 @@ def declare_parameters(
     known = describe(type(factory(preset, {})))
     for name, value in given.items():
         if name not in known:
-            near = suggest(name, (*known, *([PRESET] if names else []), _SIM_TIME))
-            raise ParameterError(f"unknown parameter {shown(name)}{near}")
+            own = (PRESET, _SIM_TIME) if names else (_SIM_TIME,)
+            raise ParameterError(unknown_parameter(name, (*known, *own)))
         if value is None and known[name].is_sequence:
             given[name] = ()  # ROS hands an empty list on as no value
     parameters = NodeParameters(factory(preset, given), on_change)

@@ -162,7 +162,7 @@ def changed(old, new):
             "sonar: {range_noise: -1}",
             "parameters: .*at least 0",
         ),
-        ("name: hall", "name: hall\nname: room", "key 'name' is repeated"),
+        ("name: hall", "name: hall\nname: room", "'name' is repeated"),
         ("name: hall", "1: hall", "a key must be a text"),
         ("name: hall", "name: &x hall\nnom: *x", r"aliases \(\*x\) are not allowed"),
         ("name: hall", "name: !!python/object:os.system hall", "no YAML document"),
