@@ -167,7 +167,7 @@ def test_the_places_of_a_small_cell_stay_in_it(side, shift):
     assert shift_within(0.045, side) == pytest.approx(shift, abs=1e-12)
     geometry = GridGeometry(40, 40, side)
     hit = np.array([geometry.centre_of(20, 20)])
-    parameters = LayerParameters(closed=0.02, limit=0.2, free=1.0)
+    parameters = LayerParameters(closed=0.02, limit=0.1, free=1.0)
     layer = clearance_layer(geometry, hit, RADIUS, parameters)
     risks = dict(zip(map(tuple, layer.cells.tolist()), layer.cut.tolist(), strict=True))
     # Of a cell to the side the best of the nine places is one of the corners farthest away.

@@ -64,6 +64,19 @@ def test_a_cell_in_which_the_robot_may_drive_aside_is_held_by_its_best_place():
     assert not middle & expected
 
 
+def test_the_places_of_a_small_cell_stay_in_it():
+    fine = GridGeometry(80, 60, 0.05, (-1.0, 0.5))
+    hit = (1.0, 2.0)
+    memory = RefusedCells(5, KEEP_OUT, 0.6, shift=0.045)
+    memory.add_obstacle(3, np.array([hit]), fine)
+    sides = (0.0, 0.0225, -0.0225)
+    assert set(memory.barred(3)) == {
+        (x, y)
+        for x, y in (fine.centre_of(r, c) for r in range(60) for c in range(80))
+        if max(math.dist((x + a, y + b), hit) for a in sides for b in sides) < KEEP_OUT
+    }
+
+
 def looked_at_twice(memory, perception, x, y):
     memory.add_unexplored(perception, (x, y), 0.6, 2, GEOMETRY)
 
