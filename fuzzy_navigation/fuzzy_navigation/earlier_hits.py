@@ -25,9 +25,6 @@ __all__ = ["EarlierHits"]
 
 Points = NDArray[np.float64]
 
-#: Points farther from the robot than this when it looks anew are forgotten [m].
-NEAR = 0.5
-
 
 class EarlierHits:
     """Points that were hits at the looks before, and are near."""
@@ -39,10 +36,20 @@ class EarlierHits:
         """Forget all of them."""
         self._points: Points = np.empty((0, 2))
 
-    def keep(self, points: Points, place: Pose2) -> None:
-        """Add points (x, y) [m], shape (n, 2), of a robot that looks anew from a place."""
+    def keep(self, points: Points, place: Pose2, recall: float) -> None:
+        """Add what a robot that looks anew from a place had measured before.
+
+        Parameters
+        ----------
+        points : ndarray of float64, shape (n, 2)
+            Points (x, y) [m].
+        place : Pose2
+            Where the robot is.
+        recall : float
+            Points farther from there are forgotten [m], those of before as well.
+        """
         all_points = np.vstack([self._points, points])
-        near = np.hypot(all_points[:, 0] - place.x, all_points[:, 1] - place.y) <= NEAR
+        near = np.hypot(all_points[:, 0] - place.x, all_points[:, 1] - place.y) < recall
         # Points of one cell of the raster are one, which bounds the memory.
         cells = np.round(all_points[near] / RASTER).astype(np.int64)
         self._points = all_points[near][np.unique(cells, axis=0, return_index=True)[1]]

@@ -62,6 +62,15 @@ class ClearanceParameters:
         minimum=0.0,
         maximum=2.0,
     )
+    recall: float = parameter(
+        0.5,
+        doc="distance from the robot within which points measured before it looked anew are hits "
+        "again where a sonar's echo that is too close to measure confirms them, for sonar_guard; "
+        "0: it forgets all of them",
+        unit="m",
+        minimum=0.0,
+        maximum=2.0,
+    )
 
     def __post_init__(self) -> None:
         validate(self)

@@ -149,7 +149,7 @@ class Surroundings:
         place : Pose2, optional
             What the infrareds cannot see from here is kept, until `forget_kept`.
         """
-        self._earlier.keep(self._memory.measured, self._place)
+        self._earlier.keep(self._memory.measured, self._place, self._p.clearance.recall)
         if place is None:
             self._memory.forget()
         else:

@@ -17,13 +17,17 @@ import quiet_end  # noqa: F401  before all that takes time
 
 # isort: split
 
+import numpy as np
 from matplotlib.figure import Figure
 from study import Study, parse_options
 
 from fuzzy_map_building.params import DEFAULT_PRESET
+from fuzzy_map_building.types import Pose2
 from nomad_sim.missions import MissionResult, MissionSpec, run_spec
-from nomad_sim.reference import ROWS
+from nomad_sim.reference import ROWS, Row
 from nomad_sim.workers import run_in_parallel
+from nomad_sim.world import Wall, World
+from nomad_sim.worlds.shapes import OUTSIDE, outer_walls
 
 RUNS = 20
 #: A way that is longer by this factor counts as worse.
@@ -40,15 +44,25 @@ class Piece:
     motion: Mapping[str, Any] = field(default_factory=dict)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Case:
-    """A world of the reference, with infrareds that see glass or do not."""
+    """A world, with infrareds that see glass or do not."""
 
-    row: str
+    row: Row
     sees_glass: bool = True
 
     def __str__(self) -> str:
-        return self.row if self.sees_glass else f"{self.row}, infrareds blind to glass"
+        return self.row.name + ("" if self.sees_glass else ", infrareds blind to glass")
+
+
+def _thin_walls(_: int) -> World:
+    """Return a room with a wall without thickness across it, and an opening of 0.65 m in it."""
+    size, x, low, high = (6.0, 4.0), 3.0, 1.675, 2.325
+    ends = ((-OUTSIDE, low), (high, size[1] + OUTSIDE))
+    across = tuple(Wall(np.array([(x, a), (x, b)]), "painted_wall") for a, b in ends)
+    walls = (*outer_walls(size, ["painted_wall"]), *across)
+    start = Pose2(1.0, 1.0, 0.0)
+    return World("thin_0.65", (0.0, 0.0), size, start, (5.0, 3.0), "reached", walls)
 
 
 NO_GUARD = {"sonar_guard.enabled": False}
@@ -71,14 +85,16 @@ PIECES = (
     Piece("looks", motion={"frontier_looks": 0}),
     Piece("turn", motion={"look_turn": 0.0}),
     Piece("least risk", planner={"least_risk": 0.0}),
+    Piece("recall", motion={"clearance.recall": 0.0}),
 )
 CASES = (
-    Case("lab_70_70_70_beam_12.5"),
-    Case("lab_40_25_8_beam_10", sees_glass=False),
-    Case("gaps_0.70"),
-    Case("gaps_0.65"),
-    Case("office"),
-    Case("slalom_0.70"),
+    Case(ROWS["lab_70_70_70_beam_12.5"]),
+    Case(ROWS["lab_40_25_8_beam_10"], sees_glass=False),
+    Case(ROWS["gaps_0.70"]),
+    Case(ROWS["gaps_0.65"]),
+    Case(ROWS["office"]),
+    Case(ROWS["slalom_0.70"]),
+    Case(Row("thin_0.65", "walls without thickness 0.65 m apart", _thin_walls, reached={})),
 )
 
 
@@ -125,7 +141,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _spec(piece: Piece, case: Case, seed: int) -> MissionSpec:
-    row = ROWS[case.row]
+    row = case.row
     return MissionSpec(
         row.world(seed),
         seed,

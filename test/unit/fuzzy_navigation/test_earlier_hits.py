@@ -9,12 +9,13 @@ import pytest
 
 from fuzzy_map_building.sensor_params import SonarParameters
 from fuzzy_map_building.types import Pose2, SonarReading
-from fuzzy_navigation.earlier_hits import NEAR, EarlierHits
+from fuzzy_navigation.earlier_hits import EarlierHits
 
 #: Faces 0.23 m from the centre, least range 0.12 m: with the slack of 0.03 m points up to 0.38 m.
 SONAR = SonarParameters()
 HERE = Pose2(1.0, 2.0, math.pi / 2.0)
 ANGLE = math.radians(15.0)
+RECALL = 0.5
 
 
 def at(distance: float, degrees: float) -> tuple[float, float]:
@@ -43,7 +44,7 @@ def test_an_echo_confirms_what_it_may_come_from(
     point: tuple[float, float], expected: bool
 ) -> None:
     earlier = EarlierHits()
-    earlier.keep(np.array([point]), HERE)
+    earlier.keep(np.array([point]), HERE, RECALL)
     confirmed = earlier.confirmed([ahead(-math.inf)], SONAR, ANGLE)
     np.testing.assert_array_equal(confirmed, [point] if expected else np.empty((0, 2)))
     # What can be measured speaks for itself.
@@ -53,13 +54,15 @@ def test_an_echo_confirms_what_it_may_come_from(
 
 def test_it_keeps_what_is_near_and_that_once() -> None:
     earlier = EarlierHits()
-    near, far = at(0.34, 90.0), at(NEAR + 0.01, 0.0)
+    near, far = at(0.34, 90.0), at(RECALL + 0.01, 0.0)
     for _ in range(1000):
-        earlier.keep(np.array([near, far]), HERE)
+        earlier.keep(np.array([near, far]), HERE, RECALL)
     echoes = [ahead(-math.inf)]
     np.testing.assert_array_equal(earlier.confirmed(echoes, SONAR, math.pi), [near])
-    earlier.keep(np.empty((0, 2)), Pose2(HERE.x + NEAR, HERE.y))  # a look from elsewhere
+    earlier.keep(np.empty((0, 2)), Pose2(HERE.x + RECALL, HERE.y), RECALL)  # from elsewhere
     assert len(earlier.confirmed(echoes, SONAR, math.pi)) == 0
-    earlier.keep(np.array([near]), HERE)
+    earlier.keep(np.array([near]), HERE, RECALL)
     earlier.forget()
+    assert len(earlier.confirmed(echoes, SONAR, math.pi)) == 0
+    earlier.keep(np.array([near]), HERE, 0.0)
     assert len(earlier.confirmed(echoes, SONAR, math.pi)) == 0
