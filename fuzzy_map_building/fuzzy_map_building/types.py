@@ -8,8 +8,9 @@ for frozen values take twice as long as these, which write to the slots of the f
 
 from __future__ import annotations
 
+import contextlib
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -41,7 +42,7 @@ class Pose2:
     Raises
     ------
     ValueError
-        If a value is not finite.
+        If a value is no finite number.
     """
 
     x: float
@@ -52,12 +53,12 @@ class Pose2:
         _write_x(self, x)
         _write_y(self, y)
         _write_theta(self, theta)
-        if math.isfinite(x) and math.isfinite(y) and math.isfinite(theta):
-            return
-        for name in ("x", "y", "theta"):
-            value = getattr(self, name)
-            if not math.isfinite(value):
-                raise ValueError(f"Pose2.{name} must be finite, got {value}")
+        try:
+            if math.isfinite(x) and math.isfinite(y) and math.isfinite(theta):
+                return
+        except (TypeError, ValueError, OverflowError):
+            pass  # no numbers: said below
+        raise _not_finite(self, ("x", "y", "theta"))
 
     def distance_to(self, x: float, y: float) -> float:
         """Return the distance [m] from this position to (x, y) [m]."""
@@ -69,6 +70,18 @@ _write_x, _write_y, _write_theta = (_slot(Pose2, name) for name in ("x", "y", "t
 
 def _is_number(value: object) -> bool:
     return hasattr(value, "__float__") and not isinstance(value, (str, bytes))
+
+
+def _not_finite(owner: object, names: Sequence[str]) -> ValueError:
+    """Return the error of the first of the fields that is no finite number; one has to be."""
+    for name in names:
+        value, finite = getattr(owner, name), False
+        with contextlib.suppress(TypeError, ValueError, OverflowError):
+            finite = math.isfinite(value)
+        if not finite:
+            what = "finite" if isinstance(value, float) else "a finite number"
+            return ValueError(f"{type(owner).__name__}.{name} must be {what}, got {value!r}")
+    raise AssertionError("all are finite")
 
 
 @dataclass(frozen=True, init=False, slots=True)
@@ -93,7 +106,7 @@ class RangeReading:
     Raises
     ------
     ValueError
-        If `pose` is no pose, `range` no number, or `bearing` or `stamp` not finite.
+        If `pose` is no pose, `range` no number, or `bearing` or `stamp` no finite number.
     """
 
     pose: Pose2
@@ -114,12 +127,12 @@ class RangeReading:
             raise ValueError(f"{type(self).__name__}.pose must be a Pose2, got {pose!r}")
         if type(range) is not float and not _is_number(range):
             raise ValueError(f"{type(self).__name__}.range must be a number, got {range!r}")
-        if math.isfinite(bearing) and math.isfinite(stamp):
-            return
-        for name in ("bearing", "stamp"):
-            value = getattr(self, name)
-            if not math.isfinite(value):
-                raise ValueError(f"{type(self).__name__}.{name} must be finite, got {value}")
+        try:
+            if math.isfinite(bearing) and math.isfinite(stamp):
+                return
+        except (TypeError, ValueError, OverflowError):
+            pass  # no numbers: said below
+        raise _not_finite(self, ("bearing", "stamp"))
 
 
 _write_pose, _write_bearing, _write_range, _write_stamp, _write_sensor = (

@@ -232,7 +232,7 @@ class ConcurrentMission(Mission):
             self._tried.perceived(self._known, self._here)
             self._around.look()
             motion.tighten()
-            verdict = verdicts.exhaustion(record, self._p, self._distance_remaining())
+            verdict = verdicts.exhaustion(record, self._here, self._p)
             if verdict:
                 return self._finish(verdict)
         if self._request.open:

@@ -294,7 +294,7 @@ class Mission(MissionState):
         return self._finish(verdict) if verdict else self._perceive()
 
     def _perceive(self) -> list[Command]:
-        if verdict := verdicts.exhaustion(self._record, self._p, self._distance_remaining()):
+        if verdict := verdicts.exhaustion(self._record, self._here, self._p):
             return self._finish(verdict)
         self._state = State.PERCEIVING
         self._around.begin_perception(self._look_place)

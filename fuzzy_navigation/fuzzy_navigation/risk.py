@@ -55,8 +55,13 @@ def real_numbers(values: ArrayLike, name: str) -> NDArray[np.float64]:
     Raises
     ------
     ValueError
-        If it is no array of real numbers.
+        If it is no array of real numbers, or some of it are masked.
     """
+    if np.ma.is_masked(values):
+        raise ValueError(
+            f"{name} has masked values, and what they stand for is not told; give each a value, "
+            "as 'filled' of numpy's masked arrays does"
+        )
     try:
         array = np.asarray(values)
     except ValueError as error:  # rows of different lengths

@@ -268,6 +268,8 @@ def _check_alpha(alpha: float) -> None:
 
 def _bars(barred: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.bool_]:
     """Return barred cells as an array, or raise ValueError."""
+    if np.ma.is_masked(barred):
+        raise ValueError("barred has masked values: fill them with True or False")
     bars = np.asarray(barred)
     if bars.dtype != np.bool_ or bars.shape != shape:
         raise ValueError(

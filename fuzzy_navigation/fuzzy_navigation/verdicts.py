@@ -92,16 +92,16 @@ def stalemate(record: MissionRecord, pose: Pose2, parameters: MotionParameters) 
     return Outcome.LIVELOCK, f"a path seems free (alpha {record.alpha:g}), but {what}"
 
 
-def exhaustion(
-    record: MissionRecord, parameters: MotionParameters, distance_remaining: float
-) -> Verdict | None:
+def exhaustion(record: MissionRecord, pose: Pose2, parameters: MotionParameters) -> Verdict | None:
     """Return the verdict on a mission with no perception left, None if it has one."""
     if record.perceptions < parameters.perception_cap:
         return None
+    distance = pose.distance_to(record.goal.x, record.goal.y)
     return (
         Outcome.UNREACHABLE,
         f"not reached after {record.perceptions} perceptions, the most that 'perception_cap' "
-        f"allows; {distance_remaining:.2f} m were left",
+        f"allows: the robot stands at ({pose.x:.2f}, {pose.y:.2f}) m, {distance:.2f} m from the "
+        "goal",
     )
 
 

@@ -31,6 +31,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
+from fuzzy_navigation.mission_types import Outcome
 from nomad_sim.headless import CONTROL_PERIOD, HeadlessMission
 
 WORLD = "lab"
@@ -76,8 +77,15 @@ class Soak:
     def __init__(self) -> None:
         self.series: dict[str, Series] = {}
         self.outcomes: Counter[str] = Counter()
+        self.failures: list[str] = []
         self.contacts = 0
         self._due = 0.0
+
+    def ended(self, hours: float, outcome: Outcome, message: str) -> None:
+        """Take note of the end of a mission, and why one went wrong."""
+        self.outcomes[outcome.name.lower()] += 1
+        if outcome is not Outcome.REACHED:
+            self.failures.append(f"after {hours:.2f} h {outcome.name}: {message}")
 
     def due(self, hours: float) -> bool:
         """Whether it is time for samples."""
@@ -92,7 +100,10 @@ class Soak:
     def report(self, title: str, hours: float, wall: float) -> None:
         ends = ", ".join(f"{n} {name}" for name, n in sorted(self.outcomes.items()))
         print(f"\n{title}: {hours:.2f} simulated hours in {wall / 60:.1f} min; missions: {ends}; ")
-        print(f"contacts: {self.contacts}\n\n| quantity | first third | last third | an hour |")
+        print(f"contacts: {self.contacts}")
+        for failure in self.failures:
+            print(f"- {failure}")
+        print("\n| quantity | first third | last third | an hour |")
         print("|---|---|---|---|")
         for name, series in self.series.items():
             print(series.row(name))
@@ -123,7 +134,7 @@ def soak_core(hours: float, preset: str, limit: float) -> None:
     while (now := robot.simulator.time / 3600.0) < hours and time.monotonic() - began < limit:
         if robot.verdict is not None:
             number += 1
-            soak.outcomes[robot.verdict.outcome.name.lower()] += 1
+            soak.ended(now, robot.verdict.outcome, robot.verdict.message)
             robot.send(ends[number % 2])
         before = time.thread_time()
         robot.tick()
@@ -143,7 +154,6 @@ def soak_nodes(hours: float, preset: str, limit: float) -> None:
     from geometry_msgs.msg import PoseStamped, Twist
 
     from fuzzy_map_building.ros import names, qos
-    from fuzzy_navigation.mission_types import Outcome
     from ros.harness import NodeProcess, Probe, wait_until
     from ros.motion_scene import goal_at
     from ros.room import stamp
@@ -180,8 +190,8 @@ def soak_nodes(hours: float, preset: str, limit: float) -> None:
             while now < hours and time.monotonic() - began < limit:
                 if result is None or result.done():
                     if result is not None:
-                        outcome = Outcome(result.result().result.outcome)
-                        soak.outcomes[outcome.name.lower()] += 1
+                        told = result.result().result
+                        soak.ended(now, Outcome(told.outcome), told.message)
                     goal = ((5.35, 5.45), (1.25, 5.25))[number % 2]
                     number += 1
                     handle = probe.send_goal(client, Navigate.Goal(goal=goal_at(*goal)))

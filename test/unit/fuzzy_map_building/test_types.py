@@ -4,6 +4,7 @@
 
 import math
 
+import numpy as np
 import pytest
 
 from fuzzy_map_building.types import InfraredReading, Pose2, RangeReading, SonarReading, wrap_angle
@@ -30,6 +31,14 @@ def test_a_pose_is_finite(name: str, bad: float) -> None:
     values = {"x": 1.0, "y": 2.0, "theta": 3.0, name: bad}
     with pytest.raises(ValueError, match=f"Pose2.{name} must be finite"):
         Pose2(**values)
+
+
+@pytest.mark.parametrize("bad", ["1", None, 1j, 10**400, np.zeros(2), Pose2(0.0, 0.0)])
+def test_what_is_no_number_is_refused_by_name(bad: object) -> None:
+    with pytest.raises(ValueError, match=r"Pose2\.theta must be a finite number, got "):
+        Pose2(1.0, 2.0, bad)
+    with pytest.raises(ValueError, match=r"SonarReading\.bearing must be a finite number, got "):
+        SonarReading(Pose2(0.0, 0.0), bad, 1.0)
 
 
 def test_distance() -> None:

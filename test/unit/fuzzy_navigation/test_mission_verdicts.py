@@ -83,7 +83,7 @@ def test_the_cap_on_perceptions_ends_it() -> None:
     assert finish.outcome is Outcome.UNREACHABLE
     assert finish.perceptions == 3
     assert "perception_cap" in finish.message
-    assert "2.00 m" in finish.message
+    assert "(1.05, 2.05) m, 2.00 m from the goal" in finish.message
 
 
 def planned(script: Script, status: PlanStatus, message: str = "because") -> tuple:

@@ -96,6 +96,7 @@ def test_augmentation_leaves_its_argument_alone():
         ((np.full((3, 3), -0.1), 0.1, 0.1), r"\[0, 1\]"),
         ((np.zeros(3), 0.1, 0.1), r"shape \(3,\)"),
         ((np.zeros((0, 3)), 0.1, 0.1), "at least one cell"),
+        ((np.ma.masked_equal([[0.1, 0.9]], 0.9), 0.1, 0.1), "risk has masked values.*filled"),
     ],
 )
 def test_augmentation_refuses_bad_input(arguments, words):

@@ -235,6 +235,7 @@ GRID = np.zeros((3, 4))
         ((GRID, (0, 0), (1, 1)), {"cut": np.full((3, 4), math.nan)}, "cut.*NaN"),
         ((GRID, (0, 0), (1, 1)), {"barred": np.zeros((4, 3), dtype=bool)}, r"barred.*\(4, 3\)"),
         ((GRID, (0, 0), (1, 1)), {"barred": np.zeros((3, 4))}, "barred.*bool.*float64"),
+        ((GRID, (0, 0), (1, 1)), {"barred": np.ma.masked_less(GRID, 1.0)}, "barred.*masked"),
         ((np.full((3, 4), math.nan), (0, 0), (1, 1)), {}, "risk.*nan"),
         ((np.full((3, 4), 2.0), (0, 0), (1, 1)), {}, "risk.*2.0"),
         ((np.zeros(4), (0, 0), (1, 1)), {}, "risk.*shape"),
